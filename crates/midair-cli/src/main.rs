@@ -1,0 +1,2 @@
+//! The `midair` program.
+fn main() {}

@@ -1,0 +1,1 @@
+//! Lattice displacement, SSIM, LPIPS, the tables of an evaluation.

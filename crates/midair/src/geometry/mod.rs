@@ -1,0 +1,9 @@
+//! Vectors, frames, rectangles, shapes, meshes and their BVH.
+
+mod frame;
+mod real;
+mod vec3;
+
+pub use frame::Frame;
+pub use real::{Dual, Real};
+pub use vec3::Vec3;

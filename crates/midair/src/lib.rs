@@ -1,0 +1,18 @@
+//! `midair` computes what a display must show so that its mid-air image, formed by a
+//! micro-mirror array plate and seen through or on a distortive element, looks undistorted.
+//!
+//! The floors of the house, each knowing only those above it:
+//! [`geometry`], [`optics`], [`scene`], [`transport`], [`map`], [`media`], [`simulate`],
+//! [`evaluate`].
+//!
+//! Units are millimetres and degrees; frames are right-handed with +y up.
+#![deny(missing_docs)]
+
+pub mod evaluate;
+pub mod geometry;
+pub mod map;
+pub mod media;
+pub mod optics;
+pub mod scene;
+pub mod simulate;
+pub mod transport;

@@ -1,0 +1,5 @@
+//! G: the inverse of the transport on the display's pixels; its status, colour and file formats.
+
+mod model;
+
+pub use model::{Map, Status, pixel_centre};

@@ -1,0 +1,47 @@
+//! The map G as data.
+
+/// What a display pixel is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[repr(u8)]
+pub enum Status {
+    /// One image point, error bound met.
+    Ok = 0,
+    /// Several image points reach this pixel (a caustic); one of them is shown.
+    Folded = 1,
+    /// The pixel's light never reaches the image seen from the viewpoint.
+    #[default]
+    Outside = 2,
+    /// The path ends: total internal reflection, missed plate, plate or display edge.
+    Blocked = 3,
+}
+
+/// Display st -> image uv, one sample at each display pixel's centre.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Map {
+    /// Display pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Image coordinates (u right, v up, both in \[0, 1\]); row 0 is the display's top row, row-major;
+    /// NaN where the status is neither `Ok` nor `Folded`.
+    pub uv: Vec<[f64; 2]>,
+    /// Each pixel's status, in the order of `uv`.
+    pub status: Vec<Status>,
+    /// Upper bound of |uv - exact| over the ok pixels.
+    pub error_bound: f64,
+}
+
+impl Map {
+    /// The identity: every pixel shows the image point at its own place.
+    pub fn identity(width: usize, height: usize) -> Self {
+        let uv = (0..height)
+            .flat_map(|row| (0..width).map(move |column| pixel_centre(column, row, width, height)))
+            .collect();
+        Self { width, height, uv, status: vec![Status::Ok; width * height], error_bound: 0.0 }
+    }
+}
+
+/// The st (or uv) coordinates of a pixel's centre: right and up, row 0 at the top.
+pub fn pixel_centre(column: usize, row: usize, width: usize, height: usize) -> [f64; 2] {
+    [(column as f64 + 0.5) / width as f64, ((height - row) as f64 - 0.5) / height as f64]
+}

@@ -1,0 +1,1 @@
+//! Media, interfaces and plates: what light does at each thing it meets.

@@ -1,0 +1,3 @@
+//! The description of a set-up: model, files, validation.
+
+pub mod model;

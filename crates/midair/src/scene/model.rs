@@ -1,0 +1,237 @@
+//! A set-up as it is described in a scene file: plain data, in millimetres and degrees.
+
+use std::path::PathBuf;
+
+/// Where a thing stands and how it is turned.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Pose {
+    /// Origin in the world, mm.
+    pub position: [f64; 3],
+    /// Angles in degrees; the rotation is Rx*Ry*Rz.
+    pub rotation: [f64; 3],
+}
+
+/// A rectangle in space: x right, y up, +z its front normal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rectangle {
+    /// Its centre and orientation.
+    pub pose: Pose,
+    /// Width and height, mm.
+    pub size: [f64; 2],
+}
+
+/// A whole set-up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// What people call it.
+    pub name: String,
+    /// The most interactions that one path may have (default 32).
+    pub max_interactions: usize,
+    /// Whether paths are followed through total internal reflection (default false: they end).
+    pub follow_total_reflection: bool,
+    /// The eye that the image is compensated for, mm.
+    pub viewpoint: [f64; 3],
+    /// The undistorted mid-air image.
+    pub image: Rectangle,
+    /// The micro-mirror array plate.
+    pub plate: Plate,
+    /// The light source.
+    pub display: Display,
+    /// The distortive objects, in the file's order.
+    pub elements: Vec<Element>,
+}
+
+/// The micro-mirror array plate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plate {
+    /// Where it stands; its normal is local +z.
+    pub rectangle: Rectangle,
+    /// How it treats light.
+    pub model: PlateModel,
+}
+
+/// How a plate treats light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PlateModel {
+    /// Plane symmetry, without loss.
+    Ideal,
+    /// Two crossed layers of slit mirrors.
+    SlitMirror(SlitMirror),
+}
+
+/// The micro-structure of a slit-mirror plate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlitMirror {
+    /// Distance between the mirrors of one layer, mm (default 0.5).
+    pub pitch: f64,
+    /// Depth of each of the two layers, mm (default 1.25).
+    pub layer_depth: f64,
+    /// Direction of the first layer's mirrors from local +x, degrees (default 45).
+    pub azimuth: f64,
+    /// Reflectance of one mirror by linear R, G, B (default 0.87).
+    pub reflectance: [f64; 3],
+    /// Refractive index of the plate's glass (default 1.52).
+    pub ior: f64,
+}
+
+/// The light source.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Display {
+    /// Pixels: width, height.
+    pub resolution: [usize; 2],
+    /// Where it stands; `None`: where it belongs with flat mirrors and no solids.
+    pub pose: Option<Pose>,
+    /// Width and height in mm; `None`: the image's.
+    pub size: Option<[f64; 2]>,
+}
+
+/// A distortive object.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Element {
+    /// What people call it.
+    pub name: String,
+    /// Its form.
+    pub shape: Shape,
+    /// Where it stands.
+    pub pose: Pose,
+    /// What it is made of.
+    pub material: Material,
+    /// Which solid fills where several overlap: the highest; `None`: the smaller solid wins.
+    pub priority: Option<i32>,
+}
+
+/// Which way a bent mirror curves, seen from its +z side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Facing {
+    /// The middle stands out towards +z.
+    Convex,
+    /// The middle is hollow: its edges stand out towards +z.
+    Concave,
+}
+
+/// How a mesh's normals are taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Normals {
+    /// Interpolated from the vertices.
+    Smooth,
+    /// Each face's own.
+    Flat,
+}
+
+/// The form of an element, in its own frame; lengths in mm.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// A ball.
+    Sphere {
+        /// Radius.
+        radius: f64,
+    },
+    /// A ball stretched along its axes.
+    Ellipsoid {
+        /// Semi-axes along local x, y and z.
+        radii: [f64; 3],
+    },
+    /// A block.
+    Box {
+        /// Edge lengths along local x, y and z.
+        size: [f64; 3],
+    },
+    /// A capped cylinder about local y.
+    Cylinder {
+        /// Radius.
+        radius: f64,
+        /// Length along y.
+        height: f64,
+    },
+    /// A capped cone or frustum about local y.
+    Cone {
+        /// Radius at the bottom (-y) end.
+        radius: f64,
+        /// Radius at the top (+y) end; 0 for a pointed cone.
+        top_radius: f64,
+        /// Length along y.
+        height: f64,
+    },
+    /// A flat mirror, normal local +z.
+    Plane {
+        /// Width and height.
+        size: [f64; 2],
+    },
+    /// A sheet bent about an axis parallel to local y, its middle at the origin.
+    CylinderMirror {
+        /// Radius of curvature.
+        radius: f64,
+        /// Arc length, and length along local y.
+        size: [f64; 2],
+        /// Which way it curves.
+        facing: Facing,
+    },
+    /// A cap of a sphere, its middle at the origin.
+    SphereMirror {
+        /// Radius of curvature.
+        radius: f64,
+        /// Diameter of the cap's rim.
+        diameter: f64,
+        /// Which way it curves.
+        facing: Facing,
+    },
+    /// A surface z(x, y) over a rectangle: a water surface, an asphere.
+    HeightField {
+        /// Where the samples come from.
+        source: HeightSource,
+        /// Width and height of the rectangle.
+        size: [f64; 2],
+        /// Height that a sample of 1 stands for.
+        amplitude: f64,
+        /// For a refractive one: how far the solid reaches below local z = 0.
+        depth: f64,
+    },
+    /// A triangle mesh.
+    Mesh {
+        /// OBJ, STL, PLY, OFF, glTF or GLB, relative to the scene file.
+        file: PathBuf,
+        /// Factor on the file's coordinates.
+        scale: f64,
+        /// Millimetres in one unit of the file.
+        unit: f64,
+        /// How normals are taken.
+        normals: Normals,
+    },
+}
+
+/// Where a height field's samples come from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum HeightSource {
+    /// A grey picture (8 or 16 bit, or EXR), relative to the scene file.
+    File(PathBuf),
+    /// Rows of samples, the first row at the +y edge.
+    Samples(Vec<Vec<f64>>),
+}
+
+/// What an element is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Material {
+    /// A transparent solid.
+    Refractive {
+        /// Its refractive index.
+        index: Index,
+        /// Absorption per mm by linear R, G, B.
+        absorption: [f64; 3],
+    },
+    /// A reflective surface.
+    Mirror {
+        /// Reflectance by linear R, G, B.
+        reflectance: [f64; 3],
+    },
+}
+
+/// A refractive index by wavelength.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Index {
+    /// The same for every wavelength.
+    Constant(f64),
+    /// n = a + b / lambda^2 with lambda in micrometres.
+    Cauchy(f64, f64),
+    /// A glass of the built-in catalogue.
+    Glass(String),
+}

@@ -1,0 +1,1 @@
+//! The forward simulator: what the viewpoint sees.

@@ -1,0 +1,1 @@
+//! F: viewpoint, elements, plate, display; and its derivatives.

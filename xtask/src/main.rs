@@ -1,0 +1,2 @@
+//! `cargo xtask <task>`: what developers run.
+fn main() {}
