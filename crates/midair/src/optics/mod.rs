@@ -1,1 +1,6 @@
 //! Media, interfaces and plates: what light does at each thing it meets.
+//!
+//! Every formula here is a pure function over [`Real`](crate::geometry::Real), so the transport,
+//! its derivatives and the forward simulator share one copy of it.
+
+pub mod interface;
