@@ -172,8 +172,7 @@ impl Convex {
                 // By way of the closest approach: no cancellation for a small or far sphere.
                 let along = o.dot(d);
                 let closest = o - d.scaled(along);
-                let half_chord =
-                    (T::constant(radius * radius) - closest.squared_length()).sqrt();
+                let half_chord = (T::constant(radius * radius) - closest.squared_length()).sqrt();
                 match crossing {
                     Crossing::Enter => -along - half_chord,
                     Crossing::Leave => half_chord - along,
@@ -210,7 +209,8 @@ impl Convex {
         if let Self::Frustum { middle_radius, slope, .. } = *self
             && slope != 0.0
         {
-            let radius_at = |t: T| ((ray.origin.y + ray.direction.y * t) * slope + middle_radius).value();
+            let radius_at =
+                |t: T| ((ray.origin.y + ray.direction.y * t) * slope + middle_radius).value();
             if !(radius_at(t) >= 0.0) {
                 let other = match crossing {
                     Crossing::Enter => Crossing::Leave,
@@ -222,12 +222,10 @@ impl Convex {
         let p = ray.at(t);
         let normal = match *self {
             Self::Sphere { radius } => p * radius.recip(),
-            Self::Ellipsoid { radii } => Vec3::new(
-                p.x * radii.x.powi(-2),
-                p.y * radii.y.powi(-2),
-                p.z * radii.z.powi(-2),
-            )
-            .normalized(),
+            Self::Ellipsoid { radii } => {
+                Vec3::new(p.x * radii.x.powi(-2), p.y * radii.y.powi(-2), p.z * radii.z.powi(-2))
+                    .normalized()
+            }
             Self::Frustum { middle_radius, slope, .. } => {
                 if slope == 0.0 {
                     Vec3::new(p.x, T::constant(0.0), p.z) * middle_radius.recip()
@@ -246,7 +244,9 @@ impl Convex {
         let half = match *self {
             Self::Box { half } => half,
             Self::Frustum { half_height, .. } => Vec3::new(half_height, half_height, half_height),
-            Self::Sphere { .. } | Self::Ellipsoid { .. } => unreachable!("a ball has no plane face"),
+            Self::Sphere { .. } | Self::Ellipsoid { .. } => {
+                unreachable!("a ball has no plane face")
+            }
         };
         let (o, d) = (ray.origin, ray.direction);
         let (along, speed, half, normal) = match axis {

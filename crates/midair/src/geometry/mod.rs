@@ -1,9 +1,19 @@
 //! Vectors, frames, rectangles, shapes, meshes and their BVH.
 
+mod convex;
 mod frame;
+mod ray;
 mod real;
+mod rectangle;
+mod shape;
+mod sheet;
 mod vec3;
 
+pub use convex::Convex;
 pub use frame::Frame;
+pub use ray::{Crossing, Hit, Ray, Search};
 pub use real::{Dual, Real};
+pub use rectangle::Rectangle;
+pub use shape::Shape;
+pub use sheet::Sheet;
 pub use vec3::Vec3;

@@ -39,9 +39,8 @@ impl Sheet {
             }
             let t = -ray.origin.z / ray.direction.z;
             let p = ray.at(t);
-            return (t > search.after && p.x.abs() <= half[0] && p.y.abs() <= half[1]).then_some(
-                Hit { t, face: 0, crossing: Crossing::Enter },
-            );
+            return (t > search.after && p.x.abs() <= half[0] && p.y.abs() <= half[1])
+                .then_some(Hit { t, face: 0, crossing: Crossing::Enter });
         }
         let roots = [Crossing::Enter, Crossing::Leave].map(|c| (self.root(ray, c), c));
         // Standing on the quadric, one of the roots is where the ray stands: rounding decides

@@ -32,6 +32,18 @@ pub struct Map {
 }
 
 impl Map {
+    /// A map without any answer.
+    pub fn unanswered(width: usize, height: usize) -> Self {
+        let pixels = width * height;
+        Self {
+            width,
+            height,
+            uv: vec![[f64::NAN; 2]; pixels],
+            status: vec![Status::Outside; pixels],
+            error_bound: 0.0,
+        }
+    }
+
     /// The identity: every pixel shows the image point at its own place.
     pub fn identity(width: usize, height: usize) -> Self {
         let uv = (0..height)

@@ -1,0 +1,72 @@
+//! A rectangle of the image that is inverted on its own.
+
+use crate::transport::{End, Path, Setup};
+
+/// A half-open rectangle of image coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cell {
+    pub low: [f64; 2],
+    pub high: [f64; 2],
+}
+
+impl Cell {
+    pub fn centre(&self) -> [f64; 2] {
+        [0, 1].map(|axis| 0.5 * (self.low[axis] + self.high[axis]))
+    }
+
+    /// The four quarters, in the order of `corners`.
+    pub fn quarters(&self) -> [Self; 4] {
+        let centre = self.centre();
+        let ([a, b], [c, d], [x, y]) = (self.low, self.high, centre);
+        [
+            Self { low: [a, b], high: [x, y] },
+            Self { low: [x, b], high: [c, y] },
+            Self { low: [a, y], high: [x, d] },
+            Self { low: [x, y], high: [c, d] },
+        ]
+    }
+
+    /// Whether a point lies in the cell or within `margin` of it.
+    pub fn holds(&self, uv: [f64; 2], margin: f64) -> bool {
+        (0..2)
+            .all(|axis| uv[axis] >= self.low[axis] - margin && uv[axis] <= self.high[axis] + margin)
+    }
+
+    /// The longer side.
+    pub fn extent(&self) -> f64 {
+        (self.high[0] - self.low[0]).max(self.high[1] - self.low[1])
+    }
+}
+
+/// F at one image point.
+#[derive(Clone, Debug)]
+pub(super) struct Sample {
+    pub uv: [f64; 2],
+    pub end: End,
+    pub path: Path,
+}
+
+impl Sample {
+    pub fn take(setup: &Setup, uv: [f64; 2]) -> Self {
+        let mut path = Path::new();
+        let end = setup.transport(uv, &mut path);
+        Self { uv, end, path }
+    }
+
+    /// Whether its light reaches the display's plane, through the plate or past its edge.
+    pub fn arrives(&self) -> Option<([f64; 2], bool)> {
+        match self.end {
+            End::Display { st, through_plate } => Some((st, through_plate)),
+            _ => None,
+        }
+    }
+
+    /// Whether both lie on the same sheet.
+    pub fn same_sheet(&self, other: &Self) -> bool {
+        match (self.arrives(), other.arrives()) {
+            (Some((_, a)), Some((_, b))) => a == b && self.path == other.path,
+            (None, None) => true,
+            _ => false,
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! The map by adaptive inversion with an error bound.
+//!
+//! The image is cut into cells. On a cell where F is one smooth sheet without a fold, the exact
+//! inverse is found at Chebyshev nodes of the display rectangle that the cell fills (Newton's
+//! method with the derivatives that dual numbers carry), and a polynomial through them answers for
+//! all pixels of the rectangle whose image point lies in the cell; residuals of F between the nodes bound
+//! its error. Cells that a border or a fold cuts are halved down to a few pixels, and their
+//! pixels solved one by one on every sheet that reaches them. Each image point belongs to exactly one cell, so
+//! counting a pixel's answers tells the folded ones.
+
+mod cell;
+mod fill;
+mod newton;
+mod patch;
+mod pixels;
+mod plan;
+mod survey;
+
+use cell::Cell;
+use fill::fill;
+use pixels::Raster;
+use plan::{Leaf, plan};
+
+use super::Map;
+use crate::transport::Setup;
+
+/// How finely a map is solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Accuracy {
+    /// Largest |uv - exact| that is accepted.
+    pub tolerance: f64,
+}
+
+impl Default for Accuracy {
+    /// 1e-6: a thousandth of a pixel of a 1024-pixel image.
+    fn default() -> Self {
+        Self { tolerance: 1e-6 }
+    }
+}
+
+/// What the inversion did.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Effort {
+    /// Polynomial patches.
+    pub patches: usize,
+    /// Pixels solved one by one.
+    pub solved_pixels: usize,
+}
+
+/// G on the display's pixels.
+pub fn invert(setup: &Setup, accuracy: Accuracy) -> (Map, Effort) {
+    let [width, height] = setup.resolution;
+    let mut map = Map::unanswered(width, height);
+    let effort = invert_into(setup, accuracy, &mut map);
+    (map, effort)
+}
+
+/// [`invert`] into a map that is already there, of any size: its memory is used again.
+pub fn invert_into(setup: &Setup, accuracy: Accuracy, map: &mut Map) -> Effort {
+    let raster = Raster { width: map.width, height: map.height };
+    let leaves = plan(setup, raster, accuracy.tolerance);
+    fill(&leaves, raster, accuracy.tolerance, map);
+    let mut effort = Effort::default();
+    for leaf in &leaves {
+        match leaf {
+            Leaf::Patch(_) => effort.patches += 1,
+            Leaf::Points(points) => effort.solved_pixels += points.len(),
+        }
+    }
+    effort
+}

@@ -1,0 +1,290 @@
+//! A piece of the map as a polynomial.
+
+use super::Cell;
+use super::newton::{Solution, apply_inverse, determinant, solve};
+use crate::transport::{Setup, Step};
+
+/// The inverse of one sheet over a rectangle of the display: two polynomials of degree `degree` in each of the
+/// rectangle's coordinates, interpolating the exact inverse at Chebyshev nodes.
+#[derive(Clone, Debug)]
+pub(super) struct Patch {
+    /// The cell of the image whose points this patch answers for.
+    pub cell: Cell,
+    /// The rectangle of st that it is fitted on: lower left and upper right.
+    pub rect: [[f64; 2]; 2],
+    /// Whether its light is blocked (past the plate's edge).
+    pub blocked: bool,
+    /// Bound of |uv - exact|.
+    pub error: f64,
+    degree: usize,
+    /// Monomial coefficients, `[j][i]` belonging to t^j s^i with s, t in [-1, 1], u and v.
+    coefficients: Vec<[f64; 2]>,
+}
+
+/// The highest degree of a patch.
+pub(super) const MAX_DEGREE: usize = 15;
+
+/// The polynomials of one display row: coefficients of s^i, highest last.
+pub(super) struct RowPolynomial {
+    u: [f64; MAX_DEGREE + 1],
+    v: [f64; MAX_DEGREE + 1],
+    degree: usize,
+}
+
+impl Patch {
+    /// Fits the inverse on `rect`; `None` if it cannot be proved to meet `tolerance` there.
+    pub fn fit(
+        setup: &Setup,
+        path: &[Step],
+        cell: Cell,
+        rect: [[f64; 2]; 2],
+        degree: usize,
+        tolerance: f64,
+    ) -> Option<Self> {
+        let n = degree + 1;
+        let nodes: Vec<f64> = (0..n).map(|k| chebyshev_node(k, n)).collect();
+        let place = |s: f64, t: f64| {
+            [0, 1].map(|axis| {
+                let x = if axis == 0 { s } else { t };
+                0.5 * ((rect[1][axis] - rect[0][axis]) * x + rect[0][axis] + rect[1][axis])
+            })
+        };
+        let mut values = vec![[0.0; 2]; n * n];
+        let centre = cell.centre();
+        let mut near = solve(setup, path, place(nodes[0], nodes[0]), centre)?;
+        let mut near_st = place(nodes[0], nodes[0]);
+        let orientation = determinant(near.jacobian).signum();
+        for (row, &t) in nodes.iter().enumerate() {
+            for k in 0..n {
+                // To and fro, so that each node's neighbour is its start.
+                let column = if row % 2 == 0 { k } else { n - 1 - k };
+                let st = place(nodes[column], t);
+                near = solve(setup, path, st, extrapolate(&near, near_st, st))?;
+                near_st = st;
+                if determinant(near.jacobian).signum() != orientation {
+                    return None;
+                }
+                values[row * n + column] = near.uv;
+            }
+        }
+        let chebyshev = chebyshev_coefficients(&values, n);
+        let tail = tail_bound(&chebyshev, n);
+        // Rows and columns of the highest degree are what a lower one would have left out.
+        if !(tail < 50.0 * tolerance) {
+            return None;
+        }
+        let coefficients = monomials(&chebyshev, n);
+        let mut patch = Self { cell, rect, blocked: false, error: 0.0, degree, coefficients };
+        let checked = patch.check(setup, path, place)?;
+        // Twice the worst of the sampled residuals covers what lies between the samples, which sit near the error's
+        // extremes: between the nodes.
+        patch.error = 2.0 * checked;
+        (patch.error <= tolerance).then_some(patch)
+    }
+
+    /// The largest error at points between the nodes, by the residual of F there and F's Jacobian.
+    fn check(
+        &self,
+        setup: &Setup,
+        path: &[Step],
+        place: impl Fn(f64, f64) -> [f64; 2],
+    ) -> Option<f64> {
+        let n = self.degree + 1;
+        // Extremes of the Chebyshev polynomial T_n: where the interpolation errs most.
+        let extremes = [0, 1, n / 3, n / 2, n - 1, n];
+        let mut worst = 0.0f64;
+        for (i, &a) in extremes.iter().enumerate() {
+            for (j, &b) in extremes.iter().enumerate() {
+                // The outer ring and every other inner point.
+                if (i + j) % 2 == 1 {
+                    continue;
+                }
+                let [s, t] = [a, b].map(|k| (std::f64::consts::PI * k as f64 / n as f64).cos());
+                let uv = self.row(t).at(s);
+                let st = place(s, t);
+                let (at, jacobian) = setup.follow_with_jacobian(uv, path);
+                let error = apply_inverse(jacobian, [at[0] - st[0], at[1] - st[1]]);
+                let error = error[0].hypot(error[1]);
+                if error.is_nan() {
+                    return None;
+                }
+                worst = worst.max(error);
+            }
+        }
+        Some(worst)
+    }
+
+    /// Position of a st coordinate within the rectangle, from -1 to 1.
+    pub fn scaled(&self, st: f64, axis: usize) -> f64 {
+        let [low, high] = [self.rect[0][axis], self.rect[1][axis]];
+        (2.0 * st - low - high) / (high - low)
+    }
+
+    /// The row's polynomials at `t` in [-1, 1].
+    pub fn row(&self, t: f64) -> RowPolynomial {
+        let n = self.degree + 1;
+        let mut row = RowPolynomial {
+            u: [0.0; MAX_DEGREE + 1],
+            v: [0.0; MAX_DEGREE + 1],
+            degree: self.degree,
+        };
+        for j in (0..n).rev() {
+            for i in 0..n {
+                let c = self.coefficients[j * n + i];
+                row.u[i] = row.u[i].mul_add(t, c[0]);
+                row.v[i] = row.v[i].mul_add(t, c[1]);
+            }
+        }
+        row
+    }
+}
+
+impl RowPolynomial {
+    /// uv at `s` in [-1, 1].
+    pub fn at(&self, s: f64) -> [f64; 2] {
+        let mut out = [[0.0]; 2];
+        let [u, v] = &mut out;
+        self.evaluate(s, 0.0, u, v);
+        [u[0], v[0]]
+    }
+
+    /// uv at `start + k * step` for each k.
+    #[inline(always)]
+    fn evaluate(&self, start: f64, step: f64, us: &mut [f64], vs: &mut [f64]) {
+        const LANES: usize = 16;
+        let n = us.len();
+        let mut first = 0;
+        while first < n {
+            let mut s = [0.0; LANES];
+            for lane in 0..LANES {
+                s[lane] = start + step * (first + lane) as f64;
+            }
+            let mut u = [self.u[self.degree]; LANES];
+            let mut v = [self.v[self.degree]; LANES];
+            for i in (0..self.degree).rev() {
+                for lane in 0..LANES {
+                    u[lane] = u[lane].mul_add(s[lane], self.u[i]);
+                }
+                for lane in 0..LANES {
+                    v[lane] = v[lane].mul_add(s[lane], self.v[i]);
+                }
+            }
+            let count = LANES.min(n - first);
+            us[first..first + count].copy_from_slice(&u[..count]);
+            vs[first..first + count].copy_from_slice(&v[..count]);
+            first += LANES;
+        }
+    }
+
+    /// uv at `start + k * step` for each k, with the widest instructions that this machine has.
+    pub fn evaluate_row(&self, start: f64, step: f64, us: &mut [f64], vs: &mut [f64]) {
+        #[cfg(target_arch = "x86_64")]
+        {
+            if is_x86_feature_detected!("avx512f") {
+                // SAFETY: the instructions were just found to exist.
+                return unsafe { self.evaluate_avx512(start, step, us, vs) };
+            }
+            if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+                // SAFETY: the instructions were just found to exist.
+                return unsafe { self.evaluate_avx2(start, step, us, vs) };
+            }
+        }
+        self.evaluate(start, step, us, vs);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f")]
+    fn evaluate_avx512(&self, start: f64, step: f64, us: &mut [f64], vs: &mut [f64]) {
+        self.evaluate(start, step, us, vs);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma")]
+    fn evaluate_avx2(&self, start: f64, step: f64, us: &mut [f64], vs: &mut [f64]) {
+        self.evaluate(start, step, us, vs);
+    }
+}
+
+fn extrapolate(near: &Solution, near_st: [f64; 2], st: [f64; 2]) -> [f64; 2] {
+    let step = apply_inverse(near.jacobian, [st[0] - near_st[0], st[1] - near_st[1]]);
+    [near.uv[0] + step[0], near.uv[1] + step[1]]
+}
+
+/// Node k of n: a zero of the Chebyshev polynomial T_n.
+fn chebyshev_node(k: usize, n: usize) -> f64 {
+    (std::f64::consts::PI * (k as f64 + 0.5) / n as f64).cos()
+}
+
+/// Chebyshev coefficients `[j][i]` of T_j(t) T_i(s) from values at the nodes, by discrete orthogonality
+/// (Mason and Handscomb, Chebyshev Polynomials, 2003, 6.3).
+fn chebyshev_coefficients(values: &[[f64; 2]], n: usize) -> Vec<[f64; 2]> {
+    let basis: Vec<f64> = (0..n * n)
+        .map(|index| {
+            let (order, node) = (index / n, index % n);
+            let angle = std::f64::consts::PI * order as f64 * (node as f64 + 0.5) / n as f64;
+            angle.cos() * if order == 0 { 1.0 } else { 2.0 } / n as f64
+        })
+        .collect();
+    // Twice the same transform along rows, transposing each time.
+    let transform = |from: &[[f64; 2]]| {
+        let mut to = vec![[0.0; 2]; n * n];
+        for row in 0..n {
+            for order in 0..n {
+                let mut sum = [0.0; 2];
+                for node in 0..n {
+                    let b = basis[order * n + node];
+                    sum[0] += b * from[row * n + node][0];
+                    sum[1] += b * from[row * n + node][1];
+                }
+                to[order * n + row] = sum;
+            }
+        }
+        to
+    };
+    transform(&transform(values))
+}
+
+/// Sum of the magnitudes of the coefficients of the highest degree in either coordinate.
+fn tail_bound(coefficients: &[[f64; 2]], n: usize) -> f64 {
+    (0..n)
+        .map(|k| {
+            let (row, column) = (coefficients[(n - 1) * n + k], coefficients[k * n + n - 1]);
+            row[0].hypot(row[1]) + column[0].hypot(column[1])
+        })
+        .sum()
+}
+
+/// From Chebyshev to monomial coefficients in both coordinates. At degree 15 this costs at most 2^15 ulp.
+fn monomials(chebyshev: &[[f64; 2]], n: usize) -> Vec<[f64; 2]> {
+    let mut polynomials = vec![0.0; n * n];
+    for order in 0..n {
+        match order {
+            0 => polynomials[0] = 1.0,
+            1 => polynomials[n + 1] = 1.0,
+            _ => {
+                for power in 0..n {
+                    let shifted =
+                        if power == 0 { 0.0 } else { polynomials[(order - 1) * n + power - 1] };
+                    polynomials[order * n + power] =
+                        2.0 * shifted - polynomials[(order - 2) * n + power];
+                }
+            }
+        }
+    }
+    let transform = |from: &[[f64; 2]]| {
+        let mut to = vec![[0.0; 2]; n * n];
+        for row in 0..n {
+            for power in 0..n {
+                let mut sum = [0.0; 2];
+                for order in power..n {
+                    let p = polynomials[order * n + power];
+                    sum[0] += p * from[row * n + order][0];
+                    sum[1] += p * from[row * n + order][1];
+                }
+                to[power * n + row] = sum;
+            }
+        }
+        to
+    };
+    transform(&transform(chebyshev))
+}

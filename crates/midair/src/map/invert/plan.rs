@@ -1,0 +1,196 @@
+//! Cutting the image into cells on which the inverse is known.
+
+use super::cell::{Cell, Sample};
+use super::patch::Patch;
+use super::pixels::{Point, Raster, solve_pixels};
+use super::survey::{CELLS, EMPTY, Survey, extend, sense};
+use crate::transport::Setup;
+use rayon::prelude::*;
+
+/// A cell's answer.
+#[derive(Debug)]
+pub(super) enum Leaf {
+    /// Its inverse is a polynomial.
+    Patch(Patch),
+    /// Its pixels were solved one by one.
+    Points(Vec<Point>),
+}
+
+/// A part of the image still to be inverted.
+enum Task {
+    /// A square block of the survey's cells.
+    Block { i: usize, j: usize, size: usize },
+    /// A cell below the survey's.
+    Cell(Cell),
+}
+
+/// Degree of a large patch: of the degrees 7 to 15, the one that inverts the paper's set-ups soonest.
+const DEGREE: usize = 11;
+/// Degree of a patch that covers few pixels: more nodes than pixels would be work for nothing.
+const SMALL_DEGREE: usize = 5;
+/// A patch pays off from this many pixels on; below, each pixel is solved by itself.
+const SMALL_PATCH: f64 = 60.0;
+/// Samples this close (in pixels) to each other decide whether a cell near a border is cut by it: what then goes
+/// unseen reaches less than two pixels deep into it, so that its pixels lie within one pixel of the border.
+const SPACING: f64 = 4.0;
+
+/// Inverts F cell by cell.
+pub(super) fn plan(setup: &Setup, raster: Raster, tolerance: f64) -> Vec<Leaf> {
+    let survey = Survey::take(setup);
+    let planner = Planner { setup, raster, tolerance, border: border(&survey), survey };
+    let mut tasks = vec![Task::Block { i: 0, j: 0, size: CELLS }];
+    let mut leaves = Vec::new();
+    while !tasks.is_empty() {
+        let outcomes: Vec<Outcome> = tasks.par_iter().map(|task| planner.process(task)).collect();
+        tasks.clear();
+        for outcome in outcomes {
+            match outcome {
+                Outcome::Nothing => {}
+                Outcome::Leaf(leaf) => leaves.push(leaf),
+                Outcome::Split(parts) => tasks.extend(parts),
+            }
+        }
+    }
+    leaves
+}
+
+enum Outcome {
+    Nothing,
+    Leaf(Leaf),
+    Split(Vec<Task>),
+}
+
+struct Planner<'a> {
+    setup: &'a Setup,
+    raster: Raster,
+    tolerance: f64,
+    survey: Survey,
+    /// Cells of the survey that touch a border of a sheet, or whose neighbour does.
+    border: Vec<bool>,
+}
+
+/// The survey's cells within one cell of a border of a sheet.
+fn border(survey: &Survey) -> Vec<bool> {
+    let broken: Vec<bool> = (0..CELLS * CELLS)
+        .map(|index| !survey.is_one_sheet(index % CELLS, index / CELLS, 1))
+        .collect();
+    (0..CELLS * CELLS)
+        .map(|index| {
+            let (i, j) = (index % CELLS, index / CELLS);
+            let around = |k: usize| k.saturating_sub(1)..(k + 2).min(CELLS);
+            around(j).any(|y| around(i).any(|x| broken[y * CELLS + x]))
+        })
+        .collect()
+}
+
+impl Planner<'_> {
+    fn process(&self, task: &Task) -> Outcome {
+        match *task {
+            Task::Block { i, j, size } => self.block(i, j, size),
+            Task::Cell(cell) => self.cell(cell),
+        }
+    }
+
+    fn block(&self, i: usize, j: usize, size: usize) -> Outcome {
+        let at_border =
+            (j..j + size).any(|y| self.border[y * CELLS + i..y * CELLS + i + size].contains(&true));
+        if !at_border && self.survey.is_one_sheet(i, j, size) {
+            let sample = self.survey.interior(i, j);
+            if sample.arrives().is_none() {
+                return Outcome::Nothing;
+            }
+            if let Some(bounds) = self.survey.bounds(i, j, size)
+                && self.survey.orientation(i, j, size).is_some()
+            {
+                // Between samples the border bulges by less than its distance between samples.
+                match self.fit(sample, Survey::block(i, j, size), bounds, 0.2 / size as f64) {
+                    Fit::Done(outcome) => return outcome,
+                    Fit::Failed => {}
+                }
+            }
+        }
+        if size == 1 {
+            return self.cell(Survey::block(i, j, 1));
+        }
+        let half = size / 2;
+        Outcome::Split(
+            [(i, j), (i + half, j), (i, j + half), (i + half, j + half)]
+                .map(|(i, j)| Task::Block { i, j, size: half })
+                .into(),
+        )
+    }
+
+    fn cell(&self, cell: Cell) -> Outcome {
+        let extent = cell.extent() * self.raster.longer_side();
+        let n = ((extent / SPACING).ceil() as usize).clamp(2, 16) + 1;
+        let samples: Vec<Sample> = (0..n * n)
+            .map(|index| {
+                let place = |axis: usize, k: usize| {
+                    let share = k as f64 / (n - 1) as f64;
+                    cell.low[axis] + (cell.high[axis] - cell.low[axis]) * share
+                };
+                Sample::take(self.setup, [place(0, index % n), place(1, index / n)])
+            })
+            .collect();
+        let arriving: Vec<[f64; 2]> =
+            samples.iter().filter_map(|s| s.arrives().map(|(st, _)| st)).collect();
+        if arriving.is_empty() {
+            return Outcome::Nothing;
+        }
+        let mut bounds = EMPTY;
+        arriving.iter().for_each(|&st| extend(&mut bounds, st));
+        let one_sheet = samples.iter().all(|s| s.same_sheet(&samples[0]));
+        if one_sheet {
+            let at = |x: usize, y: usize| arriving[y * n + x];
+            let mut senses = (0..(n - 1) * (n - 1)).map(|index| {
+                let (x, y) = (index % (n - 1), index / (n - 1));
+                sense([at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)])
+            });
+            let first = senses.next().flatten();
+            if first.is_some()
+                && senses.all(|s| s == first)
+                && let Fit::Done(outcome) =
+                    self.fit(&samples[0], cell, bounds, 0.2 / (n - 1) as f64)
+            {
+                return outcome;
+            }
+        }
+        if extent > SPACING {
+            return Outcome::Split(cell.quarters().map(Task::Cell).into());
+        }
+        Outcome::Leaf(Leaf::Points(solve_pixels(
+            self.setup,
+            self.raster,
+            cell,
+            &samples,
+            !one_sheet,
+        )))
+    }
+
+    /// A smooth cell's patch, or its pixels if they are few.
+    fn fit(&self, sample: &Sample, cell: Cell, bounds: [[f64; 2]; 2], bulge: f64) -> Fit {
+        let Some(rect) = self.raster.clip(bounds, bulge) else {
+            return Fit::Done(Outcome::Nothing);
+        };
+        let pixels: f64 =
+            (0..2).map(|axis| (rect[1][axis] - rect[0][axis]) * self.raster.size(axis)).product();
+        if pixels < SMALL_PATCH {
+            let sample = std::slice::from_ref(sample);
+            let points = solve_pixels(self.setup, self.raster, cell, sample, false);
+            return Fit::Done(Outcome::Leaf(Leaf::Points(points)));
+        }
+        let degree = if pixels < 900.0 { SMALL_DEGREE } else { DEGREE };
+        match Patch::fit(self.setup, &sample.path, cell, rect, degree, self.tolerance) {
+            Some(mut patch) => {
+                patch.blocked = sample.arrives().is_some_and(|(_, through_plate)| !through_plate);
+                Fit::Done(Outcome::Leaf(Leaf::Patch(patch)))
+            }
+            None => Fit::Failed,
+        }
+    }
+}
+
+enum Fit {
+    Done(Outcome),
+    Failed,
+}

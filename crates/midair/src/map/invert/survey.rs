@@ -1,0 +1,141 @@
+//! The first look at F: where it is smooth, where it breaks.
+
+use super::cell::{Cell, Sample};
+use crate::transport::Setup;
+use rayon::prelude::*;
+
+/// Cells along each side of the survey. With a sample in each cell's interior as well, a region of the image
+/// wider than 1/64 is certain to be seen, and a strip of a third of that almost certainly.
+pub(super) const CELLS: usize = 64;
+
+/// F at the corners of a grid of cells and at a point within each.
+pub(super) struct Survey {
+    corners: Vec<Sample>,
+    interior: Vec<Sample>,
+    /// Sheet of each sample, equal numbers for equal sheets: corners, then interiors.
+    sheets: Vec<u32>,
+}
+
+impl Survey {
+    pub fn take(setup: &Setup) -> Self {
+        let rows = CELLS + 1;
+        let corners: Vec<Sample> = (0..rows * rows)
+            .into_par_iter()
+            .with_min_len(rows)
+            .map(|index| Sample::take(setup, corner(index % rows, index / rows)))
+            .collect();
+        let interior: Vec<Sample> = (0..CELLS * CELLS)
+            .into_par_iter()
+            .with_min_len(CELLS)
+            .map(|index| {
+                let (i, j) = (index % CELLS, index / CELLS);
+                // Offsets that differ from cell to cell (a Kronecker sequence by the plastic number, Roberts 2018)
+                // find strips that lie along the grid.
+                let offset = |factor: f64| (0.5 + factor * index as f64).fract();
+                Sample::take(
+                    setup,
+                    [
+                        (i as f64 + offset(0.754_877_666_246_692_7)) / CELLS as f64,
+                        (j as f64 + offset(0.569_840_290_998_053_2)) / CELLS as f64,
+                    ],
+                )
+            })
+            .collect();
+        let sheets = number_sheets(corners.iter().chain(&interior));
+        Self { corners, interior, sheets }
+    }
+
+    pub fn corner(&self, i: usize, j: usize) -> &Sample {
+        &self.corners[j * (CELLS + 1) + i]
+    }
+
+    pub fn interior(&self, i: usize, j: usize) -> &Sample {
+        &self.interior[j * CELLS + i]
+    }
+
+    /// Whether all samples of a block of cells lie on one sheet.
+    pub fn is_one_sheet(&self, i: usize, j: usize, size: usize) -> bool {
+        let rows = CELLS + 1;
+        let first = self.sheets[j * rows + i];
+        let corners = (j..=j + size)
+            .all(|y| self.sheets[y * rows + i..=y * rows + i + size].iter().all(|&s| s == first));
+        let base = rows * rows;
+        corners
+            && (j..j + size).all(|y| {
+                let start = base + y * CELLS + i;
+                self.sheets[start..start + size].iter().all(|&s| s == first)
+            })
+    }
+
+    /// The sense of F (+1 or -1) if it is the same in all cells of a block: no fold is seen in it.
+    pub fn orientation(&self, i: usize, j: usize, size: usize) -> Option<f64> {
+        let mut common = None;
+        for y in j..j + size {
+            for x in i..i + size {
+                let at = |di: usize, dj: usize| self.corner(x + di, y + dj).arrives();
+                let corners = [at(0, 0)?.0, at(1, 0)?.0, at(0, 1)?.0, at(1, 1)?.0];
+                let sense = sense(corners)?;
+                if *common.get_or_insert(sense) != sense {
+                    return None;
+                }
+            }
+        }
+        common
+    }
+
+    /// The image cells of a block.
+    pub fn block(i: usize, j: usize, size: usize) -> Cell {
+        Cell { low: corner(i, j), high: corner(i + size, j + size) }
+    }
+
+    /// Bounds in st of a block's samples: lower left, upper right.
+    pub fn bounds(&self, i: usize, j: usize, size: usize) -> Option<[[f64; 2]; 2]> {
+        let mut bounds = EMPTY;
+        // Smooth and without a fold, a block's image is bounded by its border's.
+        for k in 0..=size {
+            for (x, y) in [(i + k, j), (i + k, j + size), (i, j + k), (i + size, j + k)] {
+                extend(&mut bounds, self.corner(x, y).arrives()?.0);
+            }
+        }
+        Some(bounds)
+    }
+}
+
+pub(super) const EMPTY: [[f64; 2]; 2] = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+
+pub(super) fn extend(bounds: &mut [[f64; 2]; 2], st: [f64; 2]) {
+    for axis in 0..2 {
+        bounds[0][axis] = bounds[0][axis].min(st[axis]);
+        bounds[1][axis] = bounds[1][axis].max(st[axis]);
+    }
+}
+
+/// The sense of a cell's image, if both of its halves (either way it is cut) agree.
+pub(super) fn sense([a, b, c, d]: [[f64; 2]; 4]) -> Option<f64> {
+    let area = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| {
+        ((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])).signum()
+    };
+    let first = area(a, b, c);
+    [area(b, d, c), area(a, b, d), area(a, d, c)].iter().all(|&s| s == first).then_some(first)
+}
+
+fn corner(i: usize, j: usize) -> [f64; 2] {
+    [i as f64 / CELLS as f64, j as f64 / CELLS as f64]
+}
+
+fn number_sheets<'a>(samples: impl Iterator<Item = &'a Sample>) -> Vec<u32> {
+    let mut known: Vec<&Sample> = Vec::new();
+    let mut last = 0;
+    samples
+        .map(|sample| {
+            // Neighbours mostly share their sheet.
+            if known.get(last).is_none_or(|k| !k.same_sheet(sample)) {
+                last = known.iter().position(|k| k.same_sheet(sample)).unwrap_or_else(|| {
+                    known.push(sample);
+                    known.len() - 1
+                });
+            }
+            last as u32
+        })
+        .collect()
+}

@@ -1,0 +1,279 @@
+//! A set-up ready for tracing.
+
+use super::path::{Action, End, Path, Step};
+use crate::geometry::{Crossing, Dual, Frame, Ray, Real, Rectangle, Search, Shape, Vec3};
+use crate::optics::interface::{reflect, refract};
+use crate::optics::plate::pass_ideal;
+
+/// What an element is made of, at one wavelength.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Matter {
+    /// A transparent solid.
+    Refractive {
+        /// Refractive index.
+        index: f64,
+        /// Absorption per mm by linear R, G, B.
+        absorption: [f64; 3],
+    },
+    /// A mirror on either side.
+    Mirror {
+        /// Reflectance by linear R, G, B.
+        reflectance: [f64; 3],
+    },
+}
+
+/// A distortive object in its place.
+#[derive(Clone, Debug)]
+pub struct Element {
+    /// What people call it.
+    pub name: String,
+    /// Where it stands.
+    pub frame: Frame,
+    /// Its form.
+    pub shape: Shape,
+    /// What it is made of.
+    pub matter: Matter,
+    /// For a refractive solid: its place in the order of priority, unique among the solids, the higher one
+    /// fills where several overlap.
+    pub rank: u8,
+}
+
+/// A set-up ready for tracing: everything placed in the world, indices fixed to one wavelength.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// The eye.
+    pub viewpoint: Vec3,
+    /// The undistorted mid-air image.
+    pub image: Rectangle,
+    /// The plate; its normal is on the viewer's side.
+    pub plate: Rectangle,
+    /// The display; its normal is on the plate's side.
+    pub display: Rectangle,
+    /// Display pixels: width, height.
+    pub resolution: [usize; 2],
+    /// The distortive objects.
+    pub elements: Vec<Element>,
+    /// The most interactions that one path may have, the plate included.
+    pub max_interactions: usize,
+    /// Whether paths are followed through total internal reflection.
+    pub follow_total_reflection: bool,
+}
+
+/// Surfaces that coincide (water in its glass) are met in the order of their parities, not of their rounding: a
+/// hit this little behind the start still counts, if the path is on the side that it asks for. 1e-9 mm is
+/// a thousand times the rounding of coordinates of a metre, and far below anything optical.
+const COINCIDENT: f64 = 1e-9;
+
+/// The most refractive solids in a set-up: one bit each.
+pub const MAX_SOLIDS: usize = 64;
+
+impl Setup {
+    /// The ray from the viewpoint through the image point uv.
+    pub fn ray<T: Real>(&self, uv: [T; 2]) -> Ray<T> {
+        self.ray_from(self.viewpoint, uv)
+    }
+
+    /// The ray from any eye through the image point uv.
+    pub fn ray_from<T: Real>(&self, eye: Vec3, uv: [T; 2]) -> Ray<T> {
+        let origin = Vec3::constant(eye);
+        Ray { origin, direction: (self.image.point(uv) - origin).normalized() }
+    }
+
+    /// F at an image point, by searching what the path meets; the steps are left in `path`.
+    pub fn transport(&self, uv: [f64; 2], path: &mut Path) -> End {
+        self.trace(self.ray(uv), path)
+    }
+
+    /// Follows a ray to its end, finding at each step what it meets first.
+    ///
+    /// Solids that overlap are resolved by rank: the medium at a point is that of the highest-ranked solid around
+    /// it. A solid's surface counts only where it fits the side that the path is on, so neither
+    /// coinciding surfaces nor rounding can make a path enter twice.
+    pub fn trace(&self, mut ray: Ray, path: &mut Path) -> End {
+        path.clear();
+        let mut inside = 0u64;
+        let mut standing: Option<Step> = None;
+        let mut plate_passed = None;
+        loop {
+            if path.len() >= self.max_interactions {
+                return End::TooManyInteractions;
+            }
+            let goal = match plate_passed {
+                None => &self.plate,
+                Some(_) => &self.display,
+            };
+            let towards = ray.direction.dot(goal.frame.normal());
+            let mut goal_distance = goal.plane_distance(&ray);
+            // NaN (parallel within the plane) counts as no meeting.
+            if !(goal_distance > 0.0) {
+                goal_distance = f64::INFINITY;
+            }
+            if let Some((index, hit)) = self.nearest(&ray, inside, standing, goal_distance) {
+                let element = &self.elements[index];
+                let step = self.interact(index as u16, element, hit, inside);
+                let advanced = self.advance(&ray, &step);
+                let (step, advanced) = if advanced.direction.x.is_nan() {
+                    if !self.follow_total_reflection {
+                        return End::TotalReflection { element: index as u16 };
+                    }
+                    let step = Step { action: Action::Reflect, ..step };
+                    (step, self.advance(&ray, &step))
+                } else {
+                    if let (Matter::Refractive { .. }, Action::Refract { .. } | Action::Pass) =
+                        (element.matter, step.action)
+                    {
+                        inside ^= 1 << element.rank;
+                    }
+                    (step, advanced)
+                };
+                ray = advanced;
+                path.push(step);
+                standing = Some(step);
+                continue;
+            }
+            if goal_distance == f64::INFINITY {
+                return if plate_passed.is_none() { End::MissedPlate } else { End::MissedDisplay };
+            }
+            match plate_passed {
+                None => {
+                    if towards >= 0.0 {
+                        return End::PlateBehind;
+                    }
+                    let step = Step {
+                        element: 0,
+                        crossing: Crossing::Enter,
+                        face: 0,
+                        action: Action::Plate,
+                    };
+                    ray = self.advance(&ray, &step);
+                    let at = self.plate.coordinates(ray.origin);
+                    plate_passed = Some(at.iter().all(|c| (0.0..=1.0).contains(c)));
+                    path.push(step);
+                    standing = None;
+                }
+                Some(through_plate) => {
+                    if towards >= 0.0 {
+                        return End::MissedDisplay;
+                    }
+                    let st = self.display.coordinates(ray.at(goal_distance));
+                    return End::Display { st, through_plate };
+                }
+            }
+        }
+    }
+
+    /// The element that the ray meets first, nearer than `limit`.
+    fn nearest(
+        &self,
+        ray: &Ray,
+        inside: u64,
+        standing: Option<Step>,
+        limit: f64,
+    ) -> Option<(usize, crate::geometry::Hit)> {
+        let mut best: Option<(usize, crate::geometry::Hit)> = None;
+        let mut limit = limit;
+        for (index, element) in self.elements.iter().enumerate() {
+            let stands_here = standing.filter(|s| usize::from(s.element) == index);
+            let crossing = match element.matter {
+                Matter::Refractive { .. } if inside >> element.rank & 1 == 1 => {
+                    Some(Crossing::Leave)
+                }
+                Matter::Refractive { .. } => Some(Crossing::Enter),
+                Matter::Mirror { .. } if element.shape.is_solid() => Some(Crossing::Enter),
+                Matter::Mirror { .. } => None,
+            };
+            let search = Search {
+                crossing,
+                after: if stands_here.is_some() { 0.0 } else { -COINCIDENT },
+                standing_on: stands_here.map(|s| s.face),
+            };
+            if let Some(hit) = element.shape.nearest(&ray.to_local(&element.frame), search)
+                && hit.t < limit
+            {
+                limit = hit.t;
+                best = Some((index, hit));
+            }
+        }
+        best
+    }
+
+    fn interact(
+        &self,
+        index: u16,
+        element: &Element,
+        hit: crate::geometry::Hit,
+        inside: u64,
+    ) -> Step {
+        let action = match element.matter {
+            Matter::Mirror { .. } => Action::Reflect,
+            Matter::Refractive { .. } => {
+                let before = self.medium_index(inside);
+                let behind = self.medium_index(inside ^ 1 << element.rank);
+                if before == behind {
+                    Action::Pass
+                } else {
+                    Action::Refract { eta: before / behind }
+                }
+            }
+        };
+        Step { element: index, crossing: hit.crossing, face: hit.face, action }
+    }
+
+    /// Refractive index where the path is inside these solids (a bit for each rank); 1 in the open.
+    fn medium_index(&self, inside: u64) -> f64 {
+        if inside == 0 {
+            return 1.0;
+        }
+        let rank = 63 - inside.leading_zeros() as u8;
+        self.elements
+            .iter()
+            .find_map(|e| match e.matter {
+                Matter::Refractive { index, .. } if e.rank == rank => Some(index),
+                _ => None,
+            })
+            .unwrap_or(1.0)
+    }
+
+    /// One step of a path whose course is known. NaN where the step is not possible.
+    pub fn advance<T: Real>(&self, ray: &Ray<T>, step: &Step) -> Ray<T> {
+        if step.action == Action::Plate {
+            let origin = ray.at(self.plate.plane_distance(ray));
+            let normal = Vec3::constant(self.plate.frame.normal());
+            return Ray { origin, direction: pass_ideal(ray.direction, normal) };
+        }
+        let element = &self.elements[usize::from(step.element)];
+        let local = ray.to_local(&element.frame);
+        let (t, normal) = element.shape.cross(&local, step.face, step.crossing);
+        let origin = ray.at(t);
+        let direction = match step.action {
+            Action::Pass | Action::Plate => return Ray { origin, direction: ray.direction },
+            Action::Reflect => reflect(local.direction, normal),
+            Action::Refract { eta } => {
+                let against =
+                    if local.direction.dot(normal).value() > 0.0 { -normal } else { normal };
+                refract(local.direction, against, T::constant(eta))
+            }
+        };
+        Ray { origin, direction: element.frame.to_world_direction(direction) }
+    }
+
+    /// F along a known path, continued smoothly beyond the path's own region; NaN where it ceases to exist.
+    pub fn follow<T: Real>(&self, uv: [T; 2], path: &[Step]) -> [T; 2] {
+        self.follow_ray(self.ray(uv), path)
+    }
+
+    /// [`Setup::follow`] for any ray.
+    pub fn follow_ray<T: Real>(&self, mut ray: Ray<T>, path: &[Step]) -> [T; 2] {
+        for step in path {
+            ray = self.advance(&ray, step);
+        }
+        let t = self.display.plane_distance(&ray);
+        self.display.coordinates(ray.at(t))
+    }
+
+    /// F along a known path with its derivatives: st, and the Jacobian rows d(s)/d(u, v) and d(t)/d(u, v).
+    pub fn follow_with_jacobian(&self, uv: [f64; 2], path: &[Step]) -> ([f64; 2], [[f64; 2]; 2]) {
+        let [s, t] = self.follow([Dual::variable(uv[0], 0), Dual::variable(uv[1], 1)], path);
+        ([s.re, t.re], [s.d, t.d])
+    }
+}
