@@ -4,3 +4,4 @@
 //! its derivatives and the forward simulator share one copy of it.
 
 pub mod interface;
+pub mod plate;

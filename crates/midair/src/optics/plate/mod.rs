@@ -1,0 +1,8 @@
+//! The micro-mirror array plate: what turns light from the display into an image in mid-air.
+//!
+//! A plate's own frame: its mid-plane is local z = 0, its normal local +z. Light may come from
+//! either side.
+
+mod ideal;
+
+pub use ideal::pass_ideal;
