@@ -4,5 +4,7 @@
 //! either side.
 
 mod ideal;
+pub mod slit_mirror;
 
 pub use ideal::pass_ideal;
+pub use slit_mirror::{Class, Passage, PlateError, SlitMirror, SlitMirrorPlate};
