@@ -4,7 +4,9 @@
 //! either side.
 
 mod ideal;
+mod shares;
 pub mod slit_mirror;
 
 pub use ideal::pass_ideal;
+pub use shares::Shares;
 pub use slit_mirror::{Class, Passage, PlateError, SlitMirror, SlitMirrorPlate};

@@ -3,7 +3,7 @@ use crate::optics::interface::{reflect, refract};
 use crate::optics::plate::pass_ideal;
 
 /// SplitMix64 (Steele, Lea and Flood 2014): enough randomness for test rays.
-pub(crate) struct Random(pub u64);
+pub(in crate::optics::plate) struct Random(pub u64);
 
 impl Random {
     pub fn unit(&mut self) -> f64 {
@@ -27,7 +27,7 @@ impl Random {
     }
 
     /// A plate of any dimensions, mirrors with thickness in half of the cases.
-    fn plate(&mut self) -> SlitMirror {
+    pub fn plate(&mut self) -> SlitMirror {
         let pitch = self.between(0.05, 1.0);
         SlitMirror {
             pitch,
