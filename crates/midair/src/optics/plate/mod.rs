@@ -4,9 +4,11 @@
 //! either side.
 
 mod ideal;
+mod luminance_table;
 mod shares;
 pub mod slit_mirror;
 
 pub use ideal::pass_ideal;
+pub use luminance_table::{LuminanceTable, LuminanceTableError, viewing_angles, viewing_direction};
 pub use shares::Shares;
 pub use slit_mirror::{Class, Passage, PlateError, SlitMirror, SlitMirrorPlate};
