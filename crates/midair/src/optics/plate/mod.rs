@@ -3,6 +3,7 @@
 //! A plate's own frame: its mid-plane is local z = 0, its normal local +z. Light may come from
 //! either side.
 
+pub mod character;
 mod ideal;
 mod luminance_table;
 mod shares;

@@ -18,6 +18,11 @@ pub struct Shares {
     pub absorbed: [f64; 3],
 }
 
+/// Luminance of linear R, G, B (the weights of Rec. ITU-R BT.709).
+pub(super) fn luminance([r, g, b]: [f64; 3]) -> f64 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
 /// How light divides in one layer.
 #[derive(Clone, Copy, Debug)]
 struct Parity {
@@ -99,6 +104,12 @@ impl SlitMirrorPlate {
                 + entering * mirrors;
         }
         shares
+    }
+
+    /// Luminance of the mid-air image over the display's, for light with unit direction `d`
+    /// (plate's frame, from either side): the real share of [`Self::shares`], weighted by colour.
+    pub fn efficiency(&self, d: Vec3) -> f64 {
+        luminance(self.shares(d).real)
     }
 
     /// Where light from `source` to `eye` (plate's frame, on opposite sides of it) crosses the

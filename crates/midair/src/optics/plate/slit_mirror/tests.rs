@@ -153,9 +153,7 @@ fn light_leaves_the_way_it_came() {
     let mut random = Random(2);
     let mut returned = 0;
     for _ in 0..100 {
-        // Mirrors without thickness: a way out may end where the way back meets a mirror's end
-        // only if they have ends.
-        let parameters = SlitMirror { mirror_thickness: 0.0, ..random.plate() };
+        let parameters = random.plate();
         let plate = SlitMirrorPlate::new(parameters).unwrap();
         for _ in 0..500 {
             let d = random.direction();
@@ -164,7 +162,8 @@ fn light_leaves_the_way_it_came() {
                 random.between(-9.0, 9.0),
                 -d.z.signum() * 0.5 * parameters.thickness(),
             );
-            let there = plate.pass(entry, d).unwrap();
+            let Some(there) = plate.pass(entry, d) else { continue };
+            // Light leaves a layer between its mirrors, so the way back meets no mirror's end.
             let back = plate.pass(there.exit_point, -there.direction).unwrap();
             assert_eq!(back.mirrors, there.mirrors);
             assert!((back.exit_point - entry).length() < 1e-11);
@@ -175,7 +174,7 @@ fn light_leaves_the_way_it_came() {
             returned += 1;
         }
     }
-    assert_eq!(returned, 50_000);
+    assert!(returned > 30_000, "{returned}");
 }
 
 #[test]
