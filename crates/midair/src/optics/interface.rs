@@ -218,7 +218,7 @@ mod tests {
             angle in 0.05..1.4f64, around in 0.0..std::f64::consts::TAU, eta in 0.4..2.0f64,
         ) {
             // Away from the critical angle, where the slope is infinite.
-            prop_assume!(eta * (angle + 1e-3).sin() < 0.99);
+            prop_assume!(eta * (angle + 1e-3).sin() < 0.95);
             let at = |x: f64, y: f64| incident(x, y);
             // u is the angle of incidence, v the angle around the normal.
             let (ca, sa) = (angle.cos(), angle.sin());
@@ -244,7 +244,7 @@ mod tests {
                 let df = (fresnel_unpolarised(-plus.dot(N), eta)
                     - fresnel_unpolarised(-minus.dot(N), eta)) * (0.5 / h);
                 let of = |v: Vec3<Dual>| Vec3::new(v.x.d[axis], v.y.d[axis], v.z.d[axis]);
-                // h^2 times the third derivative, which cos_t >= 0.14 lets reach about 1 / 0.14^5.
+                // h^2 times the third derivative, which cos_t >= 0.31 lets reach some thousands.
                 prop_assert!((of(t) - dt).length() < 1e-5);
                 prop_assert!((of(r) - dr).length() < 1e-8);
                 prop_assert!((f.d[axis] - df).abs() < 1e-5);

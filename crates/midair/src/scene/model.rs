@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+pub use crate::optics::plate::SlitMirror;
+
 /// Where a thing stands and how it is turned.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Pose {
@@ -57,21 +59,6 @@ pub enum PlateModel {
     Ideal,
     /// Two crossed layers of slit mirrors.
     SlitMirror(SlitMirror),
-}
-
-/// The micro-structure of a slit-mirror plate.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SlitMirror {
-    /// Distance between the mirrors of one layer, mm (default 0.5).
-    pub pitch: f64,
-    /// Depth of each of the two layers, mm (default 1.25).
-    pub layer_depth: f64,
-    /// Direction of the first layer's mirrors from local +x, degrees (default 45).
-    pub azimuth: f64,
-    /// Reflectance of one mirror by linear R, G, B (default 0.87).
-    pub reflectance: [f64; 3],
-    /// Refractive index of the plate's glass (default 1.52).
-    pub ior: f64,
 }
 
 /// The light source.

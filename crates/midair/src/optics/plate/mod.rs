@@ -1,0 +1,15 @@
+//! The micro-mirror array plate: what turns light from the display into an image in mid-air.
+//!
+//! A plate's own frame: its mid-plane is local z = 0, its normal local +z. Light may come from
+//! either side.
+
+pub mod character;
+mod ideal;
+mod luminance_table;
+mod shares;
+pub mod slit_mirror;
+
+pub use ideal::pass_ideal;
+pub use luminance_table::{LuminanceTable, LuminanceTableError, viewing_angles, viewing_direction};
+pub use shares::Shares;
+pub use slit_mirror::{Class, Passage, PlateError, SlitMirror, SlitMirrorPlate};
