@@ -2,6 +2,8 @@
 
 mod convex;
 mod frame;
+mod height_field;
+mod mesh_surface;
 mod ray;
 mod real;
 mod rectangle;
@@ -11,6 +13,8 @@ mod vec3;
 
 pub use convex::Convex;
 pub use frame::Frame;
+pub use height_field::HeightField;
+pub use mesh_surface::MeshSurface;
 pub use ray::{Crossing, Hit, Ray, Search};
 pub use real::{Dual, Real};
 pub use rectangle::Rectangle;

@@ -1,6 +1,7 @@
 //! The closed set of forms that an element can have.
 
-use super::{Convex, Crossing, Hit, Ray, Real, Search, Sheet, Vec3};
+use super::{Convex, Crossing, HeightField, Hit, MeshSurface, Ray, Real, Search, Sheet, Vec3};
+use std::sync::Arc;
 
 /// An element's form in its own frame.
 #[derive(Clone, Debug)]
@@ -9,6 +10,10 @@ pub enum Shape {
     Convex(Convex),
     /// An open sheet in closed form.
     Sheet(Sheet),
+    /// Sampled heights.
+    HeightField(Arc<HeightField>),
+    /// A triangle mesh.
+    Mesh(Arc<MeshSurface>),
 }
 
 impl Shape {
@@ -17,15 +22,19 @@ impl Shape {
         match self {
             Self::Convex(convex) => convex.nearest(ray, search),
             Self::Sheet(sheet) => sheet.nearest(ray, search),
+            Self::HeightField(field) => field.nearest(ray, search),
+            Self::Mesh(mesh) => mesh.nearest(ray, search),
         }
     }
 
     /// Distance to a known face along a ray, and the unit normal there (outward for a solid, on the +z
-    /// side for a sheet). The face is continued beyond its edges, smoothly.
+    /// side for a sheet). A face in closed form is continued beyond its edges, smoothly.
     pub fn cross<T: Real>(&self, ray: &Ray<T>, face: u32, crossing: Crossing) -> (T, Vec3<T>) {
         match self {
             Self::Convex(convex) => convex.cross(ray, face, crossing),
             Self::Sheet(sheet) => sheet.cross(ray, crossing),
+            Self::HeightField(field) => field.cross(ray, face, crossing),
+            Self::Mesh(mesh) => mesh.cross(ray, face),
         }
     }
 
@@ -34,6 +43,17 @@ impl Shape {
         match self {
             Self::Convex(_) => true,
             Self::Sheet(_) => false,
+            Self::HeightField(field) => field.is_solid(),
+            Self::Mesh(mesh) => mesh.is_closed(),
+        }
+    }
+
+    /// The mesh, if light crosses from one of its faces to the next without a jump: the faces of a path may then change
+    /// along one sheet of the transport.
+    pub fn smooth_mesh(&self) -> Option<&MeshSurface> {
+        match self {
+            Self::Mesh(mesh) if mesh.is_smooth() => Some(mesh),
+            _ => None,
         }
     }
 
@@ -42,6 +62,18 @@ impl Shape {
         match self {
             Self::Convex(convex) => convex.volume(),
             Self::Sheet(_) => 0.0,
+            Self::HeightField(field) => field.volume(),
+            Self::Mesh(mesh) => mesh.volume(),
+        }
+    }
+
+    /// Whether a point of the shape's frame lies inside it.
+    pub fn contains(&self, point: Vec3) -> bool {
+        match self {
+            Self::Convex(convex) => convex.contains(point),
+            Self::Sheet(_) => false,
+            Self::HeightField(field) => field.contains(point),
+            Self::Mesh(mesh) => mesh.contains(point),
         }
     }
 }

@@ -20,7 +20,10 @@ pub enum Action {
 }
 
 /// One meeting on a path.
-#[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// Steps are equal if F goes on smoothly (or at least without a jump) from one to the other: faces count as different,
+/// except those of a smooth mesh.
+#[derive(Clone, Copy, Debug)]
 pub struct Step {
     /// Index of the element in the set-up; meaningless at the plate.
     pub element: u16,
@@ -28,8 +31,17 @@ pub struct Step {
     pub crossing: Crossing,
     /// Which face of the element.
     pub face: u32,
+    /// Whether faces join without a jump: the triangles of a smooth mesh.
+    pub seamless: bool,
     /// What happens there.
     pub action: Action,
+}
+
+impl PartialEq for Step {
+    fn eq(&self, other: &Self) -> bool {
+        (self.element, self.crossing, self.action) == (other.element, other.crossing, other.action)
+            && (self.face == other.face || self.seamless)
+    }
 }
 
 /// Everything that a path met, in order. Paths with equal steps form a *sheet* of the transport, on

@@ -143,6 +143,7 @@ impl Setup {
                         element: 0,
                         crossing: Crossing::Enter,
                         face: 0,
+                        seamless: false,
                         action: Action::Plate,
                     };
                     ray = self.advance(&ray, &step);
@@ -216,7 +217,8 @@ impl Setup {
                 }
             }
         };
-        Step { element: index, crossing: hit.crossing, face: hit.face, action }
+        let seamless = element.shape.smooth_mesh().is_some();
+        Step { element: index, crossing: hit.crossing, face: hit.face, seamless, action }
     }
 
     /// Refractive index where the path is inside these solids (a bit for each rank); 1 in the open.
@@ -258,21 +260,37 @@ impl Setup {
     }
 
     /// F along a known path, continued smoothly beyond the path's own region; NaN where it ceases to exist.
-    pub fn follow<T: Real>(&self, uv: [T; 2], path: &[Step]) -> [T; 2] {
-        self.follow_ray(self.ray(uv), path)
-    }
-
-    /// [`Setup::follow`] for any ray.
-    pub fn follow_ray<T: Real>(&self, mut ray: Ray<T>, path: &[Step]) -> [T; 2] {
+    ///
+    /// On smooth meshes the path's faces are brought up to date: from each face that the path is known to cross, a walk
+    /// over the edges finds the one that it crosses at this image point.
+    pub fn follow<T: Real>(&self, uv: [T; 2], path: &mut [Step]) -> [T; 2] {
+        let mut ray = self.ray(uv);
         for step in path {
+            if step.seamless && !self.settle(&ray.value(), step) {
+                return [T::constant(f64::NAN); 2];
+            }
             ray = self.advance(&ray, step);
         }
         let t = self.display.plane_distance(&ray);
         self.display.coordinates(ray.at(t))
     }
 
+    fn settle(&self, ray: &Ray, step: &mut Step) -> bool {
+        let element = &self.elements[usize::from(step.element)];
+        let settled = element
+            .shape
+            .smooth_mesh()
+            .and_then(|mesh| mesh.settle(&ray.to_local(&element.frame), step.face, step.crossing));
+        step.face = settled.unwrap_or(step.face);
+        settled.is_some()
+    }
+
     /// F along a known path with its derivatives: st, and the Jacobian rows d(s)/d(u, v) and d(t)/d(u, v).
-    pub fn follow_with_jacobian(&self, uv: [f64; 2], path: &[Step]) -> ([f64; 2], [[f64; 2]; 2]) {
+    pub fn follow_with_jacobian(
+        &self,
+        uv: [f64; 2],
+        path: &mut [Step],
+    ) -> ([f64; 2], [[f64; 2]; 2]) {
         let [s, t] = self.follow([Dual::variable(uv[0], 0), Dual::variable(uv[1], 1)], path);
         ([s.re, t.re], [s.d, t.d])
     }

@@ -61,6 +61,11 @@ impl Sample {
         }
     }
 
+    /// Whether its light arrives at this place, to a hundred times what Newton's method leaves.
+    pub fn reaches(&self, st: [f64; 2]) -> bool {
+        self.arrives().is_some_and(|(at, _)| (at[0] - st[0]).hypot(at[1] - st[1]) < 1e-9)
+    }
+
     /// Whether both lie on the same sheet.
     pub fn same_sheet(&self, other: &Self) -> bool {
         match (self.arrives(), other.arrives()) {

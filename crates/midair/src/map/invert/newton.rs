@@ -14,10 +14,10 @@ pub(super) struct Solution {
 const STEP: f64 = 1e-8;
 const ITERATIONS: usize = 12;
 
-/// The solution that Newton's method finds from `start`, F continued along `path`.
+/// The solution that Newton's method finds from `start`, F continued along `path`, whose faces it brings up to date.
 pub(super) fn solve(
     setup: &Setup,
-    path: &[Step],
+    path: &mut [Step],
     st: [f64; 2],
     start: [f64; 2],
 ) -> Option<Solution> {

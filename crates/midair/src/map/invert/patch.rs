@@ -35,7 +35,7 @@ impl Patch {
     /// Fits the inverse on `rect`; `None` if it cannot be proved to meet `tolerance` there.
     pub fn fit(
         setup: &Setup,
-        path: &[Step],
+        path: &mut [Step],
         cell: Cell,
         rect: [[f64; 2]; 2],
         degree: usize,
@@ -86,7 +86,7 @@ impl Patch {
     fn check(
         &self,
         setup: &Setup,
-        path: &[Step],
+        path: &mut [Step],
         place: impl Fn(f64, f64) -> [f64; 2],
     ) -> Option<f64> {
         let n = self.degree + 1;

@@ -15,6 +15,12 @@ pub(super) struct Point {
     pub blocked: bool,
 }
 
+impl Point {
+    fn pixel(&self, raster: Raster) -> [f64; 2] {
+        pixel_centre(self.column as usize, self.row as usize, raster.width, raster.height)
+    }
+}
+
 /// The display's pixels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Raster {
@@ -75,10 +81,10 @@ pub(super) fn solve_pixels(
     let mut next = 0;
     // Far more sheets in one small cell are noise (the vertex of a faceted crystal).
     while next < seeds.len().min(256) {
-        let seed = seeds[next].clone();
+        let mut seed = seeds[next].clone();
         next += 1;
         let Some((_, through_plate)) = seed.arrives() else { continue };
-        let (_, jacobian) = setup.follow_with_jacobian(seed.uv, &seed.path);
+        let (_, jacobian) = setup.follow_with_jacobian(seed.uv, &mut seed.path);
         let sense = determinant(jacobian).signum();
         let of_seed = |s: &Spread| s.sense == sense && s.sheet.same_sheet(&seed);
         let index = spreads.iter().position(of_seed).unwrap_or_else(|| {
@@ -89,7 +95,7 @@ pub(super) fn solve_pixels(
             let point = Point { blocked: !through_plate, ..solved };
             if cut {
                 let found = Sample::take(setup, point.uv);
-                if !found.same_sheet(&seed) {
+                if !(found.same_sheet(&seed) && found.reaches(point.pixel(raster))) {
                     if found.arrives().is_some() && !seeds.iter().any(|s| s.same_sheet(&found)) {
                         seeds.push(found);
                     }
@@ -122,13 +128,13 @@ impl Spread {
             |x: f64, n: usize| ((x * n as f64 - 0.5).round().max(0.0) as usize).min(n - 1);
         let start = (nearest(st[0], raster.width), nearest(1.0 - st[1], raster.height));
         let around = 0.5 * cell.extent();
-        let mut queue = vec![(start, seed.uv)];
-        while let Some((pixel, guess)) = queue.pop() {
+        let mut queue = vec![(start, seed.uv, seed.path.clone())];
+        while let Some((pixel, guess, mut path)) = queue.pop() {
             if self.visited.contains(&pixel) {
                 continue;
             }
             let st = pixel_centre(pixel.0, pixel.1, raster.width, raster.height);
-            let Some(solution) = solve(setup, &self.sheet.path, st, guess) else { continue };
+            let Some(solution) = solve(setup, &mut path, st, guess) else { continue };
             if determinant(solution.jacobian).signum() != self.sense {
                 continue;
             }
@@ -148,10 +154,8 @@ impl Spread {
                 {
                     let to = pixel_centre(column, row, raster.width, raster.height);
                     let step = apply_inverse(solution.jacobian, [to[0] - st[0], to[1] - st[1]]);
-                    queue.push((
-                        (column, row),
-                        [solution.uv[0] + step[0], solution.uv[1] + step[1]],
-                    ));
+                    let guess = [solution.uv[0] + step[0], solution.uv[1] + step[1]];
+                    queue.push(((column, row), guess, path.clone()));
                 }
             };
             let (x, y) = pixel;

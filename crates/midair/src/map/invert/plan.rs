@@ -163,7 +163,7 @@ impl Planner<'_> {
             self.raster,
             cell,
             &samples,
-            !one_sheet,
+            !(one_sheet && continuous(&arriving, n)),
         )))
     }
 
@@ -180,7 +180,7 @@ impl Planner<'_> {
             return Fit::Done(Outcome::Leaf(Leaf::Points(points)));
         }
         let degree = if pixels < 900.0 { SMALL_DEGREE } else { DEGREE };
-        match Patch::fit(self.setup, &sample.path, cell, rect, degree, self.tolerance) {
+        match Patch::fit(self.setup, &mut sample.path.clone(), cell, rect, degree, self.tolerance) {
             Some(mut patch) => {
                 patch.blocked = sample.arrives().is_some_and(|(_, through_plate)| !through_plate);
                 Fit::Done(Outcome::Leaf(Leaf::Patch(patch)))
@@ -193,4 +193,22 @@ impl Planner<'_> {
 enum Fit {
     Done(Outcome),
     Failed,
+}
+
+/// Whether samples of one sheet on an n x n grid show no jump: on a mesh, light may leave by a face far away from its
+/// neighbour's. A jump between two samples is their whole difference and their second difference alike; on a smooth
+/// stretch second differences are the smaller.
+fn continuous(samples: &[[f64; 2]], n: usize) -> bool {
+    let difference = |a: [f64; 2], b: [f64; 2]| [b[0] - a[0], b[1] - a[1]];
+    let length = |v: [f64; 2]| v[0].hypot(v[1]);
+    let smooth = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| {
+        let (first, second) = (difference(a, b), difference(b, c));
+        length(difference(first, second)) <= 0.5 * (length(first) + length(second))
+    };
+    (0..n).all(|j| {
+        (2..n).all(|i| {
+            smooth(samples[j * n + i - 2], samples[j * n + i - 1], samples[j * n + i])
+                && smooth(samples[(i - 2) * n + j], samples[(i - 1) * n + j], samples[i * n + j])
+        })
+    })
 }

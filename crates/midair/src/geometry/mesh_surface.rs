@@ -1,0 +1,313 @@
+//! A triangle mesh as rays meet it.
+
+use super::{Crossing, Hit, Ray, Real, Search, Vec3};
+use obvhs::aabb::Aabb;
+use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
+use obvhs::{Boundable, BvhBuildParams};
+use std::collections::HashMap;
+
+/// A triangle mesh with what tracing needs: planes, barycentric gradients, neighbours, and a BVH.
+#[derive(Clone)]
+pub struct MeshSurface {
+    triangles: Vec<Triangle>,
+    /// Unit normals of each triangle's corners; empty for flat ones.
+    normals: Vec<[Vec3; 3]>,
+    /// The triangle across the edge opposite each corner; `NONE` where there is none.
+    neighbours: Vec<[u32; 3]>,
+    bvh: CwBvh,
+    low: Vec3,
+    high: Vec3,
+    closed: bool,
+    volume: f64,
+}
+
+impl std::fmt::Debug for MeshSurface {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "MeshSurface({} triangles)", self.triangles.len())
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Triangle {
+    corners: [Vec3; 3],
+    /// Unit normal, outward by the corners' sense.
+    normal: Vec3,
+    /// Gradients of the barycentric coordinates of corners 1 and 2.
+    gradients: [Vec3; 2],
+}
+
+const NONE: u32 = u32::MAX;
+
+/// Boxes of the BVH are widened by this share of the mesh's size: many times the rounding of the `f32`
+/// arithmetic that they are tested with, so that no triangle is missed for it; triangles themselves are tested in `f64`.
+const WIDENED: f64 = 1e-5;
+
+/// A walk from one triangle to the next that is longer than this is given up for a search.
+const LONGEST_WALK: usize = 24;
+
+struct Bounds(Aabb);
+
+impl Boundable for Bounds {
+    fn aabb(&self) -> Aabb {
+        self.0
+    }
+}
+
+impl MeshSurface {
+    /// From vertices (mm), triangles (counter-clockwise seen from outside) and, for smooth shading, a unit normal
+    /// for each vertex. The mesh has no degenerate triangle and every index is in range.
+    pub fn new(positions: &[Vec3], triangles: &[[u32; 3]], normals: Option<&[Vec3]>) -> Self {
+        let mut low = Vec3::new(f64::INFINITY, f64::INFINITY, f64::INFINITY);
+        let mut high = -low;
+        for p in positions {
+            low = Vec3::new(low.x.min(p.x), low.y.min(p.y), low.z.min(p.z));
+            high = Vec3::new(high.x.max(p.x), high.y.max(p.y), high.z.max(p.z));
+        }
+        let widen = WIDENED * (high - low).length();
+        let at = |index: u32| positions[index as usize];
+        let bounds: Vec<Bounds> = triangles
+            .iter()
+            .map(|t| {
+                let mut aabb = Aabb::empty();
+                for p in t.map(at) {
+                    for sign in [-1.0, 1.0] {
+                        let [x, y, z] = [p.x, p.y, p.z].map(|c| (c + sign * widen) as f32);
+                        aabb.extend([x, y, z].into());
+                    }
+                }
+                Bounds(aabb)
+            })
+            .collect();
+        let bvh = build_cwbvh(
+            &bounds,
+            BvhBuildParams::medium_build(),
+            &mut std::time::Duration::default(),
+        );
+        let (neighbours, closed) = neighbours(triangles);
+        let volume = triangles
+            .iter()
+            .map(|t| at(t[0]).dot(at(t[1]).cross(at(t[2]))) / 6.0)
+            .sum::<f64>()
+            .abs();
+        Self {
+            triangles: triangles.iter().map(|t| Triangle::new(t.map(at))).collect(),
+            normals: normals.map_or(Vec::new(), |n| {
+                triangles.iter().map(|t| t.map(|index| n[index as usize])).collect()
+            }),
+            neighbours,
+            bvh,
+            low,
+            high,
+            closed,
+            volume,
+        }
+    }
+
+    /// Whether it encloses a volume.
+    pub fn is_closed(&self) -> bool {
+        self.closed
+    }
+
+    /// Whether its normals are interpolated, so that light crosses from face to face without a jump.
+    pub fn is_smooth(&self) -> bool {
+        !self.normals.is_empty()
+    }
+
+    /// Volume, mm^3.
+    pub fn volume(&self) -> f64 {
+        self.volume
+    }
+
+    /// The first triangle along a ray that fits the search.
+    pub fn nearest(&self, ray: &Ray, search: Search) -> Option<Hit> {
+        let start = self.entry(ray)?.max(search.after);
+        // f32 traversal starts where the mesh does: far-away origins would lose the digits that boxes need.
+        let near = ray.at(start);
+        let sheared = Sheared::new(ray);
+        let mut best: Option<Hit> = None;
+        let traversed = obvhs::ray::Ray::new(
+            narrow(near).into(),
+            narrow(ray.direction).into(),
+            0.0,
+            f32::INFINITY,
+        );
+        self.bvh.ray_traverse(traversed, &mut obvhs::ray::RayHit::none(), |_, index| {
+            let face = self.bvh.primitive_indices[index];
+            if search.standing_on == Some(face) {
+                return f32::INFINITY;
+            }
+            let triangle = &self.triangles[face as usize];
+            let crossing = triangle.crossing(ray.direction);
+            if search.crossing.is_some_and(|wanted| wanted != crossing) {
+                return f32::INFINITY;
+            }
+            let Some(t) = sheared.hit(triangle) else { return f32::INFINITY };
+            if t > search.after && best.is_none_or(|b| t < b.t) {
+                best = Some(Hit { t, face, crossing });
+            }
+            // Rounded up, so that a hit nearer by less than f32 tells is still looked at.
+            best.map_or(f32::INFINITY, |b| ((b.t - start) as f32).next_up())
+        });
+        best
+    }
+
+    /// Where the ray enters the mesh's bounds (not before its own start by more than the coincidence margin).
+    fn entry(&self, ray: &Ray) -> Option<f64> {
+        let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
+        let widen = WIDENED * (self.high - self.low).length();
+        let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
+        let (low, high) = (self.low.to_array(), self.high.to_array());
+        for axis in 0..3 {
+            let a = (low[axis] - widen - o[axis]) / d[axis];
+            let b = (high[axis] + widen - o[axis]) / d[axis];
+            // NaN (a ray within a boundary plane) leaves the bound as it is.
+            near = near.max(a.min(b));
+            far = far.min(a.max(b));
+        }
+        (near <= far && far >= -1e-9).then_some(near)
+    }
+
+    /// The triangle around which a path that was known to cross `face` crosses now: a walk over the edges. `None`
+    /// where it walks off the sheet (a silhouette, a hole).
+    pub fn settle(&self, ray: &Ray, face: u32, crossing: Crossing) -> Option<u32> {
+        let mut face = face;
+        for _ in 0..LONGEST_WALK {
+            let triangle = &self.triangles[face as usize];
+            if triangle.crossing(ray.direction) != crossing {
+                return None;
+            }
+            let weights = triangle.weights(ray.at(triangle.plane_distance(ray)));
+            let lowest = (0..3).min_by(|&a, &b| weights[a].total_cmp(&weights[b])).unwrap_or(0);
+            // Rounding of barycentric coordinates: on an edge either side is right.
+            if weights[lowest] >= -1e-12 {
+                return Some(face);
+            }
+            face = self.neighbours[face as usize][lowest];
+            if face == NONE {
+                return None;
+            }
+        }
+        None
+    }
+
+    /// Distance to a triangle's plane along a ray and the (interpolated) normal there.
+    pub fn cross<T: Real>(&self, ray: &Ray<T>, face: u32) -> (T, Vec3<T>) {
+        let triangle = &self.triangles[face as usize];
+        let t = triangle.plane_distance(ray);
+        let flat = Vec3::constant(triangle.normal);
+        let Some([n0, n1, n2]) = self.normals.get(face as usize) else { return (t, flat) };
+        let [_, b, c] = triangle.weights(ray.at(t));
+        let blend = |n0: f64, n1: f64, n2: f64| b * (n1 - n0) + c * (n2 - n0) + n0;
+        let smooth =
+            Vec3::new(blend(n0.x, n1.x, n2.x), blend(n0.y, n1.y, n2.y), blend(n0.z, n1.z, n2.z))
+                .normalized();
+        // At a silhouette the interpolated normal may face the other way than the triangle: light would come from
+        // inside. The triangle's own normal is right there.
+        let d = ray.direction.value();
+        let agree = d.dot(smooth.value()) * d.dot(triangle.normal) > 0.0;
+        (t, if agree { smooth } else { flat })
+    }
+
+    /// Whether a point lies inside, by counting what a ray from it crosses.
+    pub fn contains(&self, point: Vec3) -> bool {
+        let direction = Vec3::new(0.267_261, 0.534_522, 0.801_783).normalized();
+        let ray = Ray { origin: point, direction };
+        let search = Search { crossing: None, after: 0.0, standing_on: None };
+        self.closed && self.nearest(&ray, search).is_some_and(|hit| hit.crossing == Crossing::Leave)
+    }
+}
+
+impl Triangle {
+    fn new(corners: [Vec3; 3]) -> Self {
+        let (e1, e2) = (corners[1] - corners[0], corners[2] - corners[0]);
+        let area = e1.cross(e2);
+        let inverse = 1.0 / area.squared_length();
+        Self {
+            corners,
+            normal: area.normalized(),
+            gradients: [e2.cross(area) * inverse, area.cross(e1) * inverse],
+        }
+    }
+
+    fn crossing(&self, direction: Vec3) -> Crossing {
+        if direction.dot(self.normal) < 0.0 { Crossing::Enter } else { Crossing::Leave }
+    }
+
+    fn plane_distance<T: Real>(&self, ray: &Ray<T>) -> T {
+        (Vec3::constant(self.corners[0]) - ray.origin).dot_plain(self.normal)
+            / ray.direction.dot_plain(self.normal)
+    }
+
+    /// Barycentric coordinates of a point of the plane.
+    fn weights<T: Real>(&self, point: Vec3<T>) -> [T; 3] {
+        let p = point - Vec3::constant(self.corners[0]);
+        let (b, c) = (p.dot_plain(self.gradients[0]), p.dot_plain(self.gradients[1]));
+        [-(b + c) + 1.0, b, c]
+    }
+}
+
+/// A ray prepared for the watertight triangle test of Woop, Benthin and Wald (JCGT 2013): in axes permuted and sheared
+/// so that it runs along z, an edge's side is decided by the same arithmetic for both triangles that share it.
+struct Sheared {
+    origin: Vec3,
+    axes: [usize; 3],
+    shear: [f64; 3],
+}
+
+impl Sheared {
+    fn new(ray: &Ray) -> Self {
+        let d = ray.direction.to_array();
+        let z = (0..3).max_by(|&a, &b| d[a].abs().total_cmp(&d[b].abs())).unwrap_or(2);
+        let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
+        if d[z] < 0.0 {
+            std::mem::swap(&mut x, &mut y);
+        }
+        Self { origin: ray.origin, axes: [x, y, z], shear: [d[x] / d[z], d[y] / d[z], 1.0 / d[z]] }
+    }
+
+    fn hit(&self, triangle: &Triangle) -> Option<f64> {
+        let [x, y, z] = self.axes;
+        let [a, b, c] = triangle.corners.map(|corner| {
+            let p = (corner - self.origin).to_array();
+            [p[x] - self.shear[0] * p[z], p[y] - self.shear[1] * p[z], self.shear[2] * p[z]]
+        });
+        let edge = |p: [f64; 3], q: [f64; 3]| p[0] * q[1] - p[1] * q[0];
+        let weights = [edge(c, b), edge(a, c), edge(b, a)];
+        if weights.iter().any(|w| *w < 0.0) && weights.iter().any(|w| *w > 0.0) {
+            return None;
+        }
+        let sum = weights[0] + weights[1] + weights[2];
+        if sum == 0.0 {
+            return None;
+        }
+        Some((weights[0] * a[2] + weights[1] * b[2] + weights[2] * c[2]) / sum)
+    }
+}
+
+fn narrow(v: Vec3) -> [f32; 3] {
+    [v.x as f32, v.y as f32, v.z as f32]
+}
+
+/// For each triangle the ones across the edges opposite its corners, and whether every edge has one.
+fn neighbours(triangles: &[[u32; 3]]) -> (Vec<[u32; 3]>, bool) {
+    let mut edges: HashMap<(u32, u32), u32> = HashMap::with_capacity(3 * triangles.len());
+    let edge = |t: &[u32; 3], opposite: usize| (t[(opposite + 1) % 3], t[(opposite + 2) % 3]);
+    for (index, t) in triangles.iter().enumerate() {
+        for opposite in 0..3 {
+            edges.insert(edge(t, opposite), index as u32);
+        }
+    }
+    let mut closed = true;
+    let found = triangles
+        .iter()
+        .map(|t| {
+            [0, 1, 2].map(|opposite| {
+                let (from, to) = edge(t, opposite);
+                let across = edges.get(&(to, from)).copied().unwrap_or(NONE);
+                closed &= across != NONE;
+                across
+            })
+        })
+        .collect();
+    (found, closed)
+}
