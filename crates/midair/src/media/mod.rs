@@ -1,5 +1,12 @@
 //! Pictures in linear light, and applying a map to stills and video.
 
+mod interpolate;
 mod picture;
+mod resample;
+pub mod srgb;
+mod still;
 
+pub use crate::map::format::FileError;
 pub use picture::Picture;
+pub use resample::display_image;
+pub use still::{Depth, Still, decode_still, read_still, write_still};
