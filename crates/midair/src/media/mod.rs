@@ -1,6 +1,7 @@
 //! Pictures in linear light, and applying a map to stills and video.
 
 mod interpolate;
+pub mod optimal;
 mod picture;
 mod resample;
 pub mod srgb;
