@@ -1,5 +1,13 @@
 //! Pictures in linear light, and applying a map to stills and video.
 
+mod interpolate;
+pub mod optimal;
 mod picture;
+mod resample;
+pub mod srgb;
+mod still;
 
+pub use crate::map::format::FileError;
 pub use picture::Picture;
+pub use resample::display_image;
+pub use still::{Depth, Still, decode_still, read_still, write_still};

@@ -1,0 +1,428 @@
+//! Stills from and to files: PNG, JPEG and OpenEXR.
+
+use super::{Picture, srgb};
+use crate::map::format::{FileError, MAX_PIXELS, check_size, decode_channels};
+use crate::map::format::{write_channels, write_png};
+use image::metadata::Orientation;
+use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageFormat, ImageReader};
+use rayon::prelude::*;
+use std::io::Cursor;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+/// How finely a file's samples are graded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Depth {
+    /// 8-bit sRGB.
+    Eight,
+    /// 16-bit sRGB.
+    Sixteen,
+    /// Linear floating point.
+    Float,
+}
+
+/// A picture with what its file said about it.
+#[derive(Clone, Debug)]
+pub struct Still {
+    /// The picture in linear light. A display emits light, so what is transparent shows black:
+    /// the colours are premultiplied.
+    pub picture: Picture,
+    /// The depth of the file, so that 16 bits in give 16 bits out.
+    pub depth: Depth,
+    /// What was passed over or mended, one sentence each, for the user.
+    pub notes: Vec<String>,
+}
+
+/// Reads a PNG, JPEG or OpenEXR file; the content decides which, not the name.
+///
+/// PNG and JPEG are taken as sRGB whatever colour profile they carry (a note says so), EXR as
+/// linear light with sRGB primaries. EXR samples that are negative or not finite become 0, and a
+/// note counts them. A JPEG's or PNG's EXIF orientation is applied.
+///
+/// # Errors
+/// [`FileError`] where the file cannot be read, is of no known kind, cut short or damaged, has no
+/// pixels, or claims more than 2^27.
+pub fn read_still(path: &Path) -> Result<Still, FileError> {
+    let bytes = std::fs::read(path).map_err(|error| FileError::io(path, "read", error))?;
+    decode_still(path, &bytes)
+}
+
+/// As [`read_still`], from the file's bytes; `path` is named in errors.
+///
+/// # Errors
+/// As [`read_still`].
+pub fn decode_still(path: &Path, bytes: &[u8]) -> Result<Still, FileError> {
+    const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+    if bytes.is_empty() {
+        return Err(FileError::malformed(path, "start", "the file is empty", "export it again"));
+    }
+    if bytes.starts_with(&EXR_MAGIC) {
+        return decode_exr(path, bytes);
+    }
+    match image::guess_format(bytes) {
+        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => decode_srgb(path, bytes, format),
+        _ => Err(FileError::malformed(
+            path,
+            "start",
+            "this is not a PNG, JPEG or OpenEXR picture",
+            "convert it to one of them",
+        )),
+    }
+}
+
+fn decode_srgb(path: &Path, bytes: &[u8], format: ImageFormat) -> Result<Still, FileError> {
+    // Decoders meet damaged files here; a panic in one is an error in the file.
+    let decoded = catch_unwind(AssertUnwindSafe(|| decode_dynamic(path, bytes, format)));
+    let (image, notes) = decoded.unwrap_or_else(|_| {
+        Err(FileError::malformed(path, "pixels", "the data make no sense", "export it again"))
+    })?;
+    let depth = match image.color().bytes_per_pixel() / image.color().channel_count() {
+        1 => Depth::Eight,
+        _ => Depth::Sixteen,
+    };
+    Ok(Still { picture: linearise(image), depth, notes })
+}
+
+fn decode_dynamic(
+    path: &Path,
+    bytes: &[u8],
+    format: ImageFormat,
+) -> Result<(DynamicImage, Vec<String>), FileError> {
+    let kind = if format == ImageFormat::Png { "PNG" } else { "JPEG" };
+    let bad = |place: &str, error: image::ImageError| {
+        let remedy = match &error {
+            image::ImageError::IoError(_) => "it seems cut short: copy or export it again",
+            _ => "it seems damaged: export it again",
+        };
+        FileError::malformed(path, place, format!("{kind}: {error}"), remedy)
+    };
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    let mut limits = image::Limits::default();
+    limits.max_alloc = Some(MAX_PIXELS * 8);
+    reader.limits(limits);
+    let mut decoder = reader.into_decoder().map_err(|error| bad("header", error))?;
+    let (width, height) = decoder.dimensions();
+    check_size(path, u64::from(width), u64::from(height))?;
+    // Deflate packs at most 1032 bytes in one, and a palette's bit becomes three bytes; a JPEG
+    // block of 64 pixels takes bits, too. A larger claim is a cut or hostile file.
+    let least = decoder.total_bytes() / 32768;
+    if least > bytes.len() as u64 {
+        let problem =
+            format!("{kind}: {width} x {height} pixels cannot come from {} bytes", bytes.len());
+        let remedy = "it seems cut short: copy or export it again";
+        return Err(FileError::malformed(path, "header", problem, remedy));
+    }
+    let mut notes = Vec::new();
+    if matches!(decoder.icc_profile(), Ok(Some(_))) {
+        notes.push(format!(
+            "{}: its colour profile is ignored: the colours are taken as sRGB",
+            path.display()
+        ));
+    }
+    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    let mut image = DynamicImage::from_decoder(decoder).map_err(|error| bad("pixels", error))?;
+    image.apply_orientation(orientation);
+    Ok((image, notes))
+}
+
+/// Decodes sRGB codes of 8 or 16 bits and premultiplies.
+fn linearise(image: DynamicImage) -> Picture {
+    let (width, height) = (image.width() as usize, image.height() as usize);
+    let pixels = match image {
+        DynamicImage::ImageLuma8(image) => spread(&image, |&[y]| grey(srgb::decode_8(y), 1.0)),
+        DynamicImage::ImageLumaA8(image) => {
+            spread(&image, |&[y, a]| grey(srgb::decode_8(y), f32::from(a) / 255.0))
+        }
+        DynamicImage::ImageRgb8(image) => {
+            spread(&image, |c: &[u8; 3]| premultiply(c.map(srgb::decode_8), 1.0))
+        }
+        DynamicImage::ImageRgba8(image) => spread(&image, |&[r, g, b, a]| {
+            premultiply([r, g, b].map(srgb::decode_8), f32::from(a) / 255.0)
+        }),
+        // 16 bits, whatever the channels.
+        other => spread(&other.into_rgba16(), |&[r, g, b, a]| {
+            premultiply([r, g, b].map(srgb::decode_16), f32::from(a) / 65535.0)
+        }),
+    };
+    Picture { width, height, pixels }
+}
+
+fn spread<T: Sync, const N: usize>(
+    samples: &[T],
+    pixel: impl Fn(&[T; N]) -> [f32; 4] + Send + Sync,
+) -> Vec<[f32; 4]> {
+    samples.as_chunks::<N>().0.par_iter().with_min_len(1 << 14).map(pixel).collect()
+}
+
+fn grey(value: f32, alpha: f32) -> [f32; 4] {
+    premultiply([value; 3], alpha)
+}
+
+fn premultiply([r, g, b]: [f32; 3], alpha: f32) -> [f32; 4] {
+    [r * alpha, g * alpha, b * alpha, alpha]
+}
+
+fn decode_exr(path: &Path, bytes: &[u8]) -> Result<Still, FileError> {
+    let file = decode_channels(path, bytes, 0.0)?;
+    let grey = file.get("Y");
+    let channel = |name: &str| {
+        file.get(name).or(grey).ok_or_else(|| {
+            FileError::malformed(
+                path,
+                format!("channel {name}"),
+                format!("it is missing; the file has {}", file.names()),
+                "export R, G and B (or Y) in the first layer, without subsampled chroma",
+            )
+        })
+    };
+    let (red, green, blue) = (channel("R")?, channel("G")?, channel("B")?);
+    let alpha = file.get("A");
+    let mut mended = 0usize;
+    let mut light = |value: f32| {
+        if value.is_finite() && value >= 0.0 {
+            value
+        } else {
+            mended += 1;
+            0.0
+        }
+    };
+    // EXR colours are premultiplied by the format's own rule.
+    let pixels = (0..file.width * file.height)
+        .map(|i| {
+            let alpha = alpha.map_or(1.0, |alpha| light(alpha[i]).min(1.0));
+            [light(red[i]), light(green[i]), light(blue[i]), alpha]
+        })
+        .collect();
+    let mut notes = Vec::new();
+    if mended > 0 {
+        notes.push(format!(
+            "{}: {mended} samples are negative or not finite and are taken as 0",
+            path.display()
+        ));
+    }
+    let picture = Picture { width: file.width, height: file.height, pixels };
+    Ok(Still { picture, depth: Depth::Float, notes })
+}
+
+/// Writes a picture as the display shows it: the premultiplied colours, so that what is
+/// transparent is black; no alpha. The name decides the kind: `.png` (sRGB, 8 bits, or 16 for the
+/// other depths, each code the nearest one) or `.exr` (linear 32-bit float).
+///
+/// # Errors
+/// [`FileError::Unsupported`] for another name or an empty picture; [`FileError::Io`] where the
+/// file cannot be written. In either case no file is left behind.
+pub fn write_still(path: &Path, picture: &Picture, depth: Depth) -> Result<(), FileError> {
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    if extension.eq_ignore_ascii_case("exr") {
+        let channel = |c: usize| picture.pixels.iter().map(|pixel| pixel[c]).collect();
+        let channels = vec![("R", channel(0)), ("G", channel(1)), ("B", channel(2))];
+        return write_channels(path, picture.width, picture.height, channels, false);
+    }
+    if !extension.eq_ignore_ascii_case("png") {
+        let problem = "pictures are written as PNG or OpenEXR";
+        return Err(FileError::unsupported(path, problem, "end the name in .png or .exr"));
+    }
+    let (bytes, colour): (Vec<u8>, _) = if depth == Depth::Eight {
+        let codes = picture.pixels.par_iter().with_min_len(1 << 14);
+        let codes = codes.map(|&[r, g, b, _]| [r, g, b].map(srgb::encode_8));
+        (codes.collect::<Vec<_>>().into_flattened(), ExtendedColorType::Rgb8)
+    } else {
+        // The encoder takes 16-bit samples in the machine's byte order.
+        let codes = picture.pixels.par_iter().with_min_len(1 << 12);
+        let codes = codes.map(|&[r, g, b, _]| {
+            [r, g, b].map(|light| srgb::encode_16(light).to_ne_bytes()).as_flattened().to_owned()
+        });
+        (codes.flatten_iter().collect(), ExtendedColorType::Rgb16)
+    };
+    write_png(path, picture.width, picture.height, &bytes, colour)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::ImageBuffer;
+    use proptest::prelude::*;
+    use std::path::PathBuf;
+
+    fn encoded(image: DynamicImage, format: ImageFormat) -> Vec<u8> {
+        let mut bytes = Cursor::new(Vec::new());
+        image.write_to(&mut bytes, format).unwrap();
+        bytes.into_inner()
+    }
+
+    fn decode(bytes: &[u8]) -> Result<Still, FileError> {
+        decode_still(Path::new("picture.png"), bytes)
+    }
+
+    fn noise(i: u32) -> u16 {
+        (i.wrapping_mul(2_654_435_761) >> 13) as u16
+    }
+
+    fn samples() -> Vec<Vec<u8>> {
+        let rgb8 = ImageBuffer::from_fn(13, 7, |x, y| {
+            image::Rgb([noise(x * 31 + y) as u8, (x * 19) as u8, (y * 36) as u8])
+        });
+        let rgba16 = ImageBuffer::from_fn(13, 7, |x, y| {
+            image::Rgba([noise(x), noise(y), noise(x + y), noise(x * y)])
+        });
+        let grey = ImageBuffer::from_fn(9, 5, |x, y| image::Luma([(x * 20 + y) as u8]));
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        let ramp: Vec<f32> = (0..35).map(|i| i as f32 / 9.0).collect();
+        let channels = vec![("R", ramp.clone()), ("G", ramp.clone()), ("B", ramp)];
+        write_channels(&path, 7, 5, channels, false).unwrap();
+        vec![
+            encoded(rgb8.clone().into(), ImageFormat::Png),
+            encoded(rgb8.into(), ImageFormat::Jpeg),
+            encoded(DynamicImage::ImageRgba16(rgba16), ImageFormat::Png),
+            encoded(grey.into(), ImageFormat::Png),
+            std::fs::read(path).unwrap(),
+        ]
+    }
+
+    #[test]
+    fn every_kind_of_png_becomes_premultiplied_linear_light() {
+        // Alpha 128 / 255 over the standard's own curve; grey spreads to three channels.
+        let grey_alpha = ImageBuffer::from_pixel(2, 1, image::LumaA([188u8, 128]));
+        let still = decode(&encoded(grey_alpha.into(), ImageFormat::Png)).unwrap();
+        assert_eq!(still.depth, Depth::Eight);
+        let light = (((188.0 / 255.0 + 0.055) / 1.055f64).powf(2.4) * 128.0 / 255.0) as f32;
+        let [r, g, b, a] = still.picture.pixels[1];
+        // One rounding of the table and one of the product.
+        assert!((r - light).abs() < 1e-7 && r == g && g == b);
+        assert_eq!(a, 128.0 / 255.0);
+
+        let rgba = ImageBuffer::from_pixel(1, 1, image::Rgba([65535u16, 0, 30000, 0]));
+        let still = decode(&encoded(DynamicImage::ImageRgba16(rgba), ImageFormat::Png)).unwrap();
+        assert_eq!(still.depth, Depth::Sixteen);
+        assert_eq!(still.picture.pixels, [[0.0; 4]]);
+    }
+
+    #[test]
+    fn a_palette_is_looked_up() {
+        // A 2 x 1 PNG of palette entries 1 and 0, written by hand with the `image` crate's
+        // encoder out of the way: signature, IHDR (depth 8, colour type 3), PLTE, IDAT, IEND.
+        let mut png = b"\x89PNG\r\n\x1a\n".to_vec();
+        let mut chunk = |kind: &[u8; 4], data: &[u8]| {
+            png.extend((data.len() as u32).to_be_bytes());
+            let body = [&kind[..], data].concat();
+            let crc = body.iter().fold(!0u32, |crc, &byte| {
+                (0..8).fold(crc ^ u32::from(byte), |c, _| (c >> 1) ^ (0xedb8_8320 * (c & 1)))
+            });
+            png.extend(&body);
+            png.extend((!crc).to_be_bytes());
+        };
+        chunk(b"IHDR", &[0, 0, 0, 2, 0, 0, 0, 1, 8, 3, 0, 0, 0]);
+        chunk(b"PLTE", &[255, 0, 0, 0, 255, 255]);
+        // zlib: one stored block of 3 bytes (filter 0, entries 1 and 0) and its Adler-32.
+        chunk(b"IDAT", &[0x78, 1, 1, 3, 0, 0xfc, 0xff, 0, 1, 0, 0, 5, 0, 2]);
+        chunk(b"IEND", &[]);
+        let still = decode(&png).unwrap();
+        assert_eq!(still.picture.pixels, [[0.0, 1.0, 1.0, 1.0], [1.0, 0.0, 0.0, 1.0]]);
+    }
+
+    #[test]
+    fn eight_and_sixteen_bit_files_come_back_as_they_were() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        for bytes in &samples()[..3] {
+            let still = decode(bytes).unwrap();
+            // Opaque, so that nothing is lost by leaving the alpha out.
+            let mut picture = still.picture;
+            picture.pixels.iter_mut().for_each(|pixel| pixel[3] = 1.0);
+            write_still(&path, &picture, still.depth).unwrap();
+            let back = read_still(&path).unwrap();
+            assert_eq!(back.depth, still.depth);
+            if still.depth == Depth::Eight {
+                assert_eq!(back.picture, picture);
+            } else {
+                // Premultiplied light falls between codes: half a code of 1/65535 where the
+                // slope of decoding is at most 2.4 / 1.055.
+                for (a, b) in back.picture.pixels.iter().zip(&picture.pixels) {
+                    assert!((0..3).all(|c| (a[c] - b[c]).abs() <= 1.2 / 65535.0));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn float_pictures_come_back_exactly_and_bad_samples_are_counted() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        let mut picture = Picture::filled(3, 2, [0.25, 7.5, 1e-6, 1.0]);
+        write_still(&path, &picture, Depth::Float).unwrap();
+        let still = read_still(&path).unwrap();
+        assert_eq!((still.picture, still.depth), (picture.clone(), Depth::Float));
+        picture.pixels[1] = [f32::NAN, -1.0, f32::INFINITY, 1.0];
+        write_still(&path, &picture, Depth::Float).unwrap();
+        let still = read_still(&path).unwrap();
+        assert_eq!(still.picture.pixels[1], [0.0, 0.0, 0.0, 1.0]);
+        assert!(still.notes[0].contains("3 samples"), "{:?}", still.notes);
+    }
+
+    #[test]
+    fn the_content_decides_the_kind_not_the_name() {
+        let still = decode_still(Path::new("picture.exr"), &samples()[1]).unwrap();
+        assert_eq!((still.picture.width, still.picture.height), (13, 7));
+    }
+
+    #[test]
+    fn bad_files_are_named_with_place_and_remedy() {
+        let png = &samples()[0];
+        let check = |bytes: &[u8], words: &[&str]| {
+            let message = decode(bytes).unwrap_err().to_string();
+            let missing: Vec<_> = words.iter().filter(|word| !message.contains(**word)).collect();
+            assert!(missing.is_empty(), "{message:?} lacks {missing:?}");
+        };
+        check(&png[..png.len() / 2], &["picture.png", "pixels", "export it again"]);
+        check(&png[..20], &["picture.png", "header"]);
+        check(b"", &["picture.png", "empty"]);
+        check(b"GIF89a and more", &["picture.png", "not a PNG"]);
+        // IHDR of 2^31 - 1 squared pixels and of none (with a checksum that the decoder may doubt).
+        for size in [0x7fff_ffffu32, 0] {
+            let mut hostile = png.clone();
+            hostile[16..20].copy_from_slice(&size.to_be_bytes());
+            hostile[20..24].copy_from_slice(&size.to_be_bytes());
+            check(&hostile, &["picture.png", "header"]);
+        }
+        let missing = read_still(Path::new("no/such.png")).unwrap_err().to_string();
+        assert!(missing.contains("no/such.png") && missing.contains("check the path"));
+        let unknown =
+            write_still(&PathBuf::from("a.bmp"), &Picture::filled(1, 1, [0.0; 4]), Depth::Eight);
+        assert!(unknown.unwrap_err().to_string().contains(".png or .exr"));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(300))]
+
+        #[test]
+        fn mutated_files_are_read_or_refused_but_never_panic(
+            which in 0usize..5,
+            cut in 0.0f64..=1.0,
+            changes in prop::collection::vec((0.0f64..1.0, any::<u8>()), 0..6),
+        ) {
+            let mut bytes = samples().swap_remove(which);
+            for (place, value) in changes {
+                let place = (place * bytes.len() as f64) as usize;
+                bytes[place] = value;
+            }
+            if cut < 0.7 {
+                bytes.truncate((bytes.len() as f64 * cut / 0.7) as usize);
+            }
+            if let Ok(still) = decode(&bytes) {
+                prop_assert_eq!(still.picture.pixels.len(), still.picture.width * still.picture.height);
+                prop_assert!(still.picture.pixels.iter().flatten().all(|v| v.is_finite() && *v >= 0.0));
+            }
+        }
+
+        #[test]
+        fn random_bytes_are_refused(
+            magic in prop::sample::select(vec![
+                &b"\x89PNG\r\n\x1a\n"[..], b"\xff\xd8\xff", b"\x76\x2f\x31\x01\x02\0\0\0", b"",
+            ]),
+            tail in prop::collection::vec(any::<u8>(), 0..300),
+        ) {
+            prop_assert!(decode(&[magic, &tail].concat()).is_err());
+        }
+    }
+}
