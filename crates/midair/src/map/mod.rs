@@ -1,7 +1,7 @@
 //! G: the inverse of the transport on the display's pixels; its status, colour and file formats.
 
-mod invert;
 pub mod format;
+mod invert;
 mod model;
 
 pub use invert::{Accuracy, Effort, invert, invert_into};

@@ -1,7 +1,11 @@
 //! F: viewpoint, elements, plate, display; and its derivatives.
 
+#[cfg(test)]
+pub(crate) mod bench_setup;
 mod path;
 mod setup;
+#[cfg(test)]
+pub(crate) mod tests;
 
 pub use path::{Action, End, Path, Step, on_display};
 pub use setup::{Element, MAX_SOLIDS, Matter, Setup};
