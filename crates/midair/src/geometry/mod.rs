@@ -1,6 +1,7 @@
 //! Vectors, frames, rectangles, shapes, meshes and their BVH.
 
 mod frame;
+pub mod mesh;
 mod real;
 mod vec3;
 

@@ -1,1 +1,3 @@
 //! Media, interfaces and plates: what light does at each thing it meets.
+
+pub mod glass;
