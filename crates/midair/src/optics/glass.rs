@@ -31,7 +31,7 @@ const SULTANOVA: &str = "Sultanova, Kasarova, Nikolov, Acta Physica Polonica A 1
 const NONE: (f64, f64) = (0.0, 0.0);
 
 /// The catalogue.
-pub static GLASSES: [Glass; 12] = [
+pub static GLASSES: [Glass; 13] = [
     Glass {
         name: "N-BK7",
         aliases: &["BK7"],
@@ -78,6 +78,17 @@ pub static GLASSES: [Glass; 12] = [
     },
     Glass {
         name: "SF10",
+        aliases: &[],
+        sellmeier: [
+            (1.61625977, 0.0127534559),
+            (0.259229334, 0.0581983954),
+            (1.07762317, 116.60768),
+            NONE,
+        ],
+        source: SCHOTT,
+    },
+    Glass {
+        name: "N-SF10",
         aliases: &[],
         sellmeier: [
             (1.62153902, 0.0122241457),
@@ -187,6 +198,7 @@ mod tests {
             ("N-SF5", 1.67271, 32.25, 1e-5, 0.05),
             ("N-SF11", 1.78472, 25.68, 1e-5, 0.05),
             ("SF10", 1.72825, 28.41, 1e-5, 0.05),
+            ("N-SF10", 1.72828, 28.53, 1e-5, 0.05),
             ("F2", 1.62004, 36.37, 1e-5, 0.05),
             ("N-F2", 1.62005, 36.43, 1e-5, 0.05),
             ("fused silica", 1.45846, 67.82, 1e-5, 0.05),

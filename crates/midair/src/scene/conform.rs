@@ -14,6 +14,11 @@ pub(super) struct Conformance<'a> {
 
 impl Conformance<'_> {
     fn fault(&mut self, span: &Range<usize>, message: String, help: String) {
+        // A file of a million wrong keys is not worth a million messages.
+        const MOST: usize = 64;
+        if self.faults.len() >= MOST {
+            return;
+        }
         let fault = self.source.error(Some(span.clone()), message, help);
         self.faults.push(fault);
     }
@@ -30,9 +35,17 @@ impl Conformance<'_> {
                 None => self.unknown_key(block, entry),
             }
         }
+        // A misspelt key is not also a missing one.
+        let names = || block.keys.iter().map(|k| k.name);
+        let misspelt: Vec<&str> = table
+            .iter()
+            .filter(|e| names().all(|name| name != e.key))
+            .take(block.keys.len())
+            .filter_map(|e| nearest(&e.key, names()))
+            .collect();
         for key in block.keys {
             let given = table.iter().any(|e| e.key == key.name);
-            if matches!(key.need, Need::Required) && !given {
+            if matches!(key.need, Need::Required) && !given && !misspelt.contains(&key.name) {
                 let example = example(key);
                 self.fault(
                     span,
@@ -46,6 +59,7 @@ impl Conformance<'_> {
             let names = quoted(group.iter().copied());
             match given[..] {
                 [_] => {}
+                [] if group.iter().any(|name| misspelt.contains(name)) => {}
                 [] => self.fault(
                     span,
                     format!("{} needs one of {names}", block.name),
@@ -370,17 +384,22 @@ fn quoted<'a>(names: impl Iterator<Item = &'a str>) -> String {
 
 /// "did you mean" for the nearest name, then all of them.
 fn suggestion<'a>(given: &str, known: impl Iterator<Item = &'a str>, all: &str) -> String {
-    let given = shortened(given).to_lowercase();
-    let nearest = known
-        .map(|name| (strsim::damerau_levenshtein(&given, &name.to_lowercase()), name))
-        .min_by_key(|(distance, _)| *distance);
-    match nearest {
-        // Half the letters right: nearer names are typing errors, farther ones guesses.
-        Some((distance, name)) if distance * 2 <= name.len().max(2) => {
-            format!("did you mean `{name}`? {all}")
-        }
-        _ => all.to_owned(),
+    match nearest(given, known) {
+        Some(name) => format!("did you mean `{name}`? {all}"),
+        None => all.to_owned(),
     }
+}
+
+/// The known name that was probably meant.
+fn nearest<'a>(given: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let given = shortened(given).to_lowercase();
+    let (distance, name) = known
+        .map(|name| (strsim::damerau_levenshtein(&given, &name.to_lowercase()), name))
+        .min_by_key(|(distance, _)| *distance)?;
+    // Half the letters right, or a word cut short or drawn out: nearer names are typing errors,
+    // farther ones guesses.
+    let begun = name.len() > 1 && (given.starts_with(name) || name.starts_with(&given));
+    (begun || distance * 2 <= name.len().max(2)).then_some(name)
 }
 
 /// Hostile names are cut for messages, and for the comparison's cost.

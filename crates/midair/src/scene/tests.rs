@@ -75,7 +75,8 @@ fn json_of_the_same_shape_is_the_same_scene() {
     assert_eq!(parse(json, "a.json", Format::Json).unwrap(), toml(GOOD).unwrap());
     let absorbing = json.replace(r#"{"ior": 1.49}"#, r#"{"ior": 1.49, "absorption": [1, 2, 3]}"#);
     let scene = parse(&absorbing, "a.json", Format::Json).unwrap();
-    let outside = with("material = { ior = 1.49 }", "material = { ior = 1.49 }\nabsorption = [1, 2, 3]");
+    let outside =
+        with("material = { ior = 1.49 }", "material = { ior = 1.49 }\nabsorption = [1, 2, 3]");
     assert_eq!(scene, toml(&outside).unwrap());
 }
 
@@ -131,17 +132,34 @@ fn mistakes_are_named_with_line_and_remedy() {
             &[],
         ),
         (
-            shape("kind = \"height-field\", size = [1, 1], amplitude = 1, samples = [[0, 0], [0, -1]]"),
+            shape(
+                "kind = \"height-field\", size = [1, 1], amplitude = 1, samples = [[0, 0], [0, -1]]",
+            ),
             15,
             &["reaches down to -1"],
             &["depth of more than 1"],
         ),
         (with("name = \"Good\"", "max_interactions = 0"), 2, &["too small"], &["between 1"]),
         (with("radius = 25.0", "radius = 25mm"), 15, &[], &["TOML"]),
-        (with("position = [0.0, 0.0, 800.0]", "position = 800 mm"), 4, &[], &["write `position = 800.0`"]),
+        (
+            with("position = [0.0, 0.0, 800.0]", "position = 800 mm"),
+            4,
+            &[],
+            &["write `position = 800.0`"],
+        ),
         (with("[image]", "[image"), 5, &[], &["TOML"]),
-        (with("rotation = [-45.0", "pitch = 1.0\nrotation = [-45.0"), 9, &["ideal plate"], &["slit-mirror"]),
-        (with("rotation = [-45.0", "rotation = [135.0"), 9, &["plate faces away"], &["[-45.0, 0.0, 0.0]"]),
+        (
+            with("rotation = [-45.0", "pitch = 1.0\nrotation = [-45.0"),
+            9,
+            &["ideal plate"],
+            &["slit-mirror"],
+        ),
+        (
+            with("rotation = [-45.0", "rotation = [135.0"),
+            9,
+            &["plate faces away"],
+            &["[-45.0, 0.0, 0.0]"],
+        ),
         (with("800.0]", "-800.0]"), 4, &["image faces away"], &["+z"]),
         (with("800.0]", "20.0]"), 4, &["inside the element `ball`"], &["move the viewpoint"]),
         (
@@ -423,9 +441,7 @@ fn json_of(text: &str) -> serde_json::Value {
             Value::Number(n) => (*n).into(),
             Value::Text(t) => t.clone().into(),
             Value::List(list) => list.iter().map(value).collect(),
-            Value::Table(table) => {
-                table.iter().map(|e| (e.key.clone(), value(&e.node))).collect()
-            }
+            Value::Table(table) => table.iter().map(|e| (e.key.clone(), value(&e.node))).collect(),
             Value::Other(_) => serde_json::Value::Null,
         }
     }
@@ -495,8 +511,11 @@ fn shape_strategy() -> impl Strategy<Value = Shape> {
         numbers::<3>(length.clone()).prop_map(|size| Shape::Box { size }),
         numbers::<2>(length.clone())
             .prop_map(|[radius, height]| Shape::Cylinder { radius, height }),
-        numbers::<3>(length.clone())
-            .prop_map(|[radius, top_radius, height]| Shape::Cone { radius, top_radius, height }),
+        numbers::<3>(length.clone()).prop_map(|[radius, top_radius, height]| Shape::Cone {
+            radius,
+            top_radius,
+            height
+        }),
         numbers::<2>(length.clone()).prop_map(|size| Shape::Plane { size }),
         (numbers::<3>(length.clone()), facing.clone()).prop_map(|([radius, a, b], facing)| {
             Shape::CylinderMirror { radius, size: [a, b], facing }

@@ -1,42 +1,42 @@
-//! glTF 2.0: the triangles of the default scene, with its nodes' transforms.
+//! glTF 2.0, JSON or GLB: the triangles of the default scene, with its nodes' transforms.
 //!
-//! The container (GLB) and the buffers are read here and not by the library: its own readers
-//! panic on lengths that do not fit.
+//! Read here on plain JSON, since the format's library panics on indices and lengths that do not fit.
 
 use super::read::too_many;
 use super::{MeshError, RawMesh, read_file};
 use crate::geometry::Vec3;
-use ::gltf::accessor::{Accessor, DataType, Dimensions};
-use ::gltf::buffer::Source;
-use ::gltf::mesh::{Mode, Primitive};
-use ::gltf::{Document, Gltf, Semantic};
 use base64::Engine as _;
+use serde_json::Value;
 use std::path::{Component, Path};
 
 pub(super) fn read(bytes: &[u8], file: &str, folder: Option<&Path>) -> Result<RawMesh, MeshError> {
     let (json, blob) = chunks(bytes, file)?;
-    let document = Gltf::from_slice(json)
-        .map_err(|e| {
-            let cause: String = e.to_string().chars().take(200).collect();
-            MeshError::syntax(file, format!("is not valid glTF: {cause}"))
-        })?
-        .document;
-    let needed: Vec<&str> = document.extensions_required().collect();
-    if !needed.is_empty() {
-        return Err(unsupported(file, &format!("the extensions {}", needed.join(", "))));
+    let root: Value = serde_json::from_slice(json)
+        .map_err(|e| MeshError::syntax(file, format!("is not valid glTF: {e}")))?;
+    let version = root["asset"]["version"].as_str().unwrap_or_default();
+    if !version.starts_with("2.") {
+        return Err(MeshError::new(
+            file,
+            "does not say that it is glTF of version 2",
+            "export it as glTF 2.0",
+        ));
     }
-    let buffers = document
-        .buffers()
-        .map(|buffer| match buffer.source() {
-            Source::Bin => blob.map(<[u8]>::to_vec).ok_or_else(|| {
-                MeshError::syntax(file, format!("buffer {} has no data", buffer.index()))
-            }),
-            Source::Uri(uri) => fetch(uri, file, folder),
-        })
-        .collect::<Result<Vec<_>, _>>()?;
-    let mut raw = RawMesh::default();
-    walk(&document, &buffers, file, &mut raw)?;
-    Ok(raw)
+    if let Some(needed) = root["extensionsRequired"].as_array()
+        && !needed.is_empty()
+    {
+        let names: Vec<&str> = needed.iter().filter_map(Value::as_str).take(5).collect();
+        return Err(unsupported(file, &format!("the extensions {}", names.join(", "))));
+    }
+    let mut document = Document { root: &root, buffers: Vec::new(), file };
+    for i in 0..root["buffers"].as_array().map_or(0, Vec::len) {
+        document.buffers.push(match &root["buffers"][i]["uri"] {
+            Value::Null => blob
+                .map(<[u8]>::to_vec)
+                .ok_or_else(|| MeshError::syntax(file, format!("buffer {i} has no data")))?,
+            uri => fetch(uri.as_str().unwrap_or_default(), file, folder)?,
+        });
+    }
+    document.triangles()
 }
 
 fn unsupported(file: &str, what: &str) -> MeshError {
@@ -91,9 +91,14 @@ fn fetch(uri: &str, file: &str, folder: Option<&Path>) -> Result<Vec<u8>, MeshEr
     // A model must not read whatever file it names.
     let below = path.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
     match folder {
-        Some(folder) if below && !uri.contains(':') => {
-            let path = folder.join(path);
-            read_file(&path).map_err(|e| MeshError::open(&path.display().to_string(), &e))
+        Some(folder) if below && !uri.is_empty() && !uri.contains(':') => {
+            read_file(&folder.join(path)).map_err(|e| {
+                MeshError::new(
+                    file,
+                    format!("its buffer {shown} cannot be read: {e}"),
+                    "put it beside the glTF file, or export as GLB",
+                )
+            })
         }
         _ => Err(MeshError::new(
             file,
@@ -103,161 +108,218 @@ fn fetch(uri: &str, file: &str, folder: Option<&Path>) -> Result<Vec<u8>, MeshEr
     }
 }
 
+/// Column-major.
 type Matrix = [[f64; 4]; 4];
 
-/// Collects the triangles of every node of the default scene; without one, of the first.
-fn walk(
-    document: &Document,
-    buffers: &[Vec<u8>],
-    file: &str,
-    raw: &mut RawMesh,
-) -> Result<(), MeshError> {
-    let identity: Matrix = [[1., 0., 0., 0.], [0., 1., 0., 0.], [0., 0., 1., 0.], [0., 0., 0., 1.]];
-    let Some(scene) = document.default_scene().or_else(|| document.scenes().next()) else {
-        return Err(MeshError::new(file, "has no scene", "export the model within a scene"));
-    };
-    let mut visited = vec![false; document.nodes().len()];
-    let mut open: Vec<_> = scene.nodes().map(|node| (node, identity)).collect();
-    // Nodes are visited in the file's order: faces are numbered along it.
-    open.reverse();
-    while let Some((node, parent)) = open.pop() {
-        // The format wants trees: a node met twice would be a cycle or a copy without end.
-        match visited.get_mut(node.index()) {
-            Some(seen) if !*seen => *seen = true,
-            _ => {
-                return Err(MeshError::syntax(
-                    file,
-                    format!("node {} has more than one parent", node.index()),
-                ));
-            }
-        }
-        let own = node.transform().matrix().map(|column| column.map(f64::from));
-        let matrix = product(&parent, &own);
-        if let Some(mesh) = node.mesh() {
-            if node.skin().is_some() {
-                return Err(unsupported(file, "skins"));
-            }
-            for primitive in mesh.primitives() {
-                add(&primitive, &matrix, buffers, file, raw)?;
-            }
-        }
-        let first = open.len();
-        open.extend(node.children().map(|child| (child, matrix)));
-        open[first..].reverse();
-    }
-    Ok(())
+const IDENTITY: Matrix = [[1., 0., 0., 0.], [0., 1., 0., 0.], [0., 0., 1., 0.], [0., 0., 0., 1.]];
+
+struct Document<'a> {
+    root: &'a Value,
+    buffers: Vec<Vec<u8>>,
+    file: &'a str,
 }
 
-/// Column-major product a b.
+impl<'a> Document<'a> {
+    fn bad(&self, message: impl Into<String>) -> MeshError {
+        MeshError::syntax(self.file, message)
+    }
+
+    /// The object of a top-level list that `index` refers to, and its place.
+    fn object(&self, list: &str, index: &Value) -> Result<(usize, &'a Value), MeshError> {
+        let found = index.as_u64().and_then(|i| usize::try_from(i).ok()).and_then(|i| {
+            self.root[list].as_array().and_then(|list| list.get(i)).map(|object| (i, object))
+        });
+        found.ok_or_else(|| self.bad(format!("refers to {list} {index}, which are not there")))
+    }
+
+    /// A number of bytes or items; `default` where it is left out.
+    fn size(&self, value: &Value, default: usize) -> Result<usize, MeshError> {
+        match value {
+            Value::Null => Ok(default),
+            other => other
+                .as_u64()
+                .and_then(|n| usize::try_from(n).ok())
+                .ok_or_else(|| self.bad("has a size that is no whole number")),
+        }
+    }
+
+    fn numbers<const N: usize>(
+        &self,
+        value: &Value,
+        default: [f64; N],
+    ) -> Result<[f64; N], MeshError> {
+        if value.is_null() {
+            return Ok(default);
+        }
+        let numbers: Option<Vec<f64>> =
+            value.as_array().and_then(|list| list.iter().map(Value::as_f64).collect());
+        numbers
+            .and_then(|n| n.try_into().ok())
+            .ok_or_else(|| self.bad(format!("has a transform that is not {N} numbers")))
+    }
+
+    /// The triangles of every node of the default scene; without one, of the first.
+    fn triangles(&self) -> Result<RawMesh, MeshError> {
+        let zero = Value::from(0);
+        let scene = match &self.root["scene"] {
+            Value::Null => &zero,
+            scene => scene,
+        };
+        let (_, scene) = self.object("scenes", scene)?;
+        let mut raw = RawMesh::default();
+        let mut visited = std::collections::HashSet::new();
+        // Nodes are visited in the file's order: faces are numbered along it.
+        let mut open: Vec<(&Value, Matrix)> =
+            list(&scene["nodes"]).map(|n| (n, IDENTITY)).collect();
+        open.reverse();
+        while let Some((index, parent)) = open.pop() {
+            let (place, node) = self.object("nodes", index)?;
+            // The format wants trees: a node met twice would be a cycle or a copy without end.
+            if !visited.insert(place) {
+                return Err(self.bad(format!("node {place} has more than one parent")));
+            }
+            let matrix = product(&parent, &self.transform(node)?);
+            if !node["mesh"].is_null() {
+                if !node["skin"].is_null() {
+                    return Err(unsupported(self.file, "skins"));
+                }
+                let (_, mesh) = self.object("meshes", &node["mesh"])?;
+                for primitive in list(&mesh["primitives"]) {
+                    self.add(primitive, &matrix, &mut raw)?;
+                }
+            }
+            let first = open.len();
+            open.extend(list(&node["children"]).map(|child| (child, matrix)));
+            open[first..].reverse();
+        }
+        Ok(raw)
+    }
+
+    /// A node's own transform: its matrix, or translation times rotation times scale.
+    fn transform(&self, node: &Value) -> Result<Matrix, MeshError> {
+        if !node["matrix"].is_null() {
+            let m: [f64; 16] = self.numbers(&node["matrix"], [0.0; 16])?;
+            return Ok(std::array::from_fn(|column| {
+                std::array::from_fn(|row| m[4 * column + row])
+            }));
+        }
+        let [x, y, z, w] = self.numbers(&node["rotation"], [0.0, 0.0, 0.0, 1.0])?;
+        let scale: [f64; 3] = self.numbers(&node["scale"], [1.0; 3])?;
+        let t: [f64; 3] = self.numbers(&node["translation"], [0.0; 3])?;
+        let rotation = [
+            [1. - 2. * (y * y + z * z), 2. * (x * y + w * z), 2. * (x * z - w * y)],
+            [2. * (x * y - w * z), 1. - 2. * (x * x + z * z), 2. * (y * z + w * x)],
+            [2. * (x * z + w * y), 2. * (y * z - w * x), 1. - 2. * (x * x + y * y)],
+        ];
+        let column = |k: usize| {
+            let [a, b, c] = rotation[k].map(|e| e * scale[k]);
+            [a, b, c, 0.0]
+        };
+        Ok([column(0), column(1), column(2), [t[0], t[1], t[2], 1.0]])
+    }
+
+    fn add(&self, primitive: &Value, matrix: &Matrix, raw: &mut RawMesh) -> Result<(), MeshError> {
+        match self.size(&primitive["mode"], 4)? {
+            4 => {}
+            // Points and lines have no faces.
+            0..=3 => return Ok(()),
+            _ => return Err(unsupported(self.file, "triangle strips or fans")),
+        }
+        if list(&primitive["targets"]).next().is_some() {
+            return Err(unsupported(self.file, "morph targets"));
+        }
+        let first = raw.positions.len();
+        let positions =
+            self.items(&primitive["attributes"]["POSITION"], &[(5126, "VEC3", 12)], |_, b| {
+                let float = |at: usize| {
+                    f64::from(f32::from_le_bytes([b[at], b[at + 1], b[at + 2], b[at + 3]]))
+                };
+                let p = [float(0), float(4), float(8), 1.0];
+                let row = |r: usize| (0..4).map(|k| matrix[k][r] * p[k]).sum::<f64>();
+                Vec3::new(row(0), row(1), row(2))
+            })?;
+        let count = positions.len();
+        let indices: Vec<u32> = match &primitive["indices"] {
+            Value::Null => (0..count as u32).collect(),
+            accessor => self.items(
+                accessor,
+                &[(5121, "SCALAR", 1), (5123, "SCALAR", 2), (5125, "SCALAR", 4)],
+                |size, b| match size {
+                    1 => u32::from(b[0]),
+                    2 => u32::from(u16::from_le_bytes([b[0], b[1]])),
+                    _ => u32::from_le_bytes([b[0], b[1], b[2], b[3]]),
+                },
+            )?,
+        };
+        // Many nodes may share one mesh: a small file can mean a thousand million triangles.
+        too_many(raw.triangles.len() + indices.len() / 3, self.file)?;
+        too_many((first + count) / 3, self.file)?;
+        raw.positions.extend(positions);
+        let [x, y, z] = [0, 1, 2].map(|k| Vec3::new(matrix[k][0], matrix[k][1], matrix[k][2]));
+        // A mirroring transform turns the faces inside out: the format says to turn them back.
+        let mirrored = x.cross(y).dot(z) < 0.0;
+        for corners in indices.chunks_exact(3) {
+            let face = raw.triangles.len() as u32;
+            // Out of range in its own list is out of range in the whole one.
+            let shifted = |i: u32| if (i as usize) < count { first as u32 + i } else { u32::MAX };
+            let [a, b, c] = [corners[0], corners[1], corners[2]].map(shifted);
+            raw.push_polygon(&if mirrored { [a, c, b] } else { [a, b, c] }, face, None);
+        }
+        Ok(())
+    }
+
+    /// An accessor's items, each made from its size and bytes; refuses what does not lie within its
+    /// buffer. `allowed` are the component types, item types, and sizes in bytes that may stand here.
+    fn items<T>(
+        &self,
+        accessor: &Value,
+        allowed: &[(u64, &str, usize)],
+        item: impl Fn(usize, &[u8]) -> T,
+    ) -> Result<Vec<T>, MeshError> {
+        let (place, accessor) = self.object("accessors", accessor)?;
+        if !accessor["sparse"].is_null() {
+            return Err(unsupported(self.file, "sparse accessors"));
+        }
+        let size = allowed
+            .iter()
+            .find(|(component, kind, _)| {
+                accessor["componentType"].as_u64() == Some(*component)
+                    && accessor["type"].as_str() == Some(kind)
+            })
+            .map(|&(_, _, size)| size)
+            .ok_or_else(|| {
+                self.bad(format!(
+                    "accessor {place} has a type that the format does not allow there"
+                ))
+            })?;
+        let (_, view) = self.object("bufferViews", &accessor["bufferView"])?;
+        let (buffer, _) = self.object("buffers", &view["buffer"])?;
+        let stride = self.size(&view["byteStride"], size)?;
+        let outside = || self.bad(format!("accessor {place} reaches outside its buffer"));
+        let start = self.size(&view["byteOffset"], 0)?;
+        let end = start.checked_add(self.size(&view["byteLength"], 0)?).ok_or_else(outside)?;
+        let data = self
+            .buffers
+            .get(buffer)
+            .and_then(|bytes| bytes.get(start..end))
+            .and_then(|view| view.get(self.size(&accessor["byteOffset"], 0).ok()?..))
+            .ok_or_else(outside)?;
+        let count = self.size(&accessor["count"], 0)?;
+        let needed = match count.checked_sub(1) {
+            None => Some(0),
+            Some(steps) => steps.checked_mul(stride).and_then(|n| n.checked_add(size)),
+        };
+        if stride < size || needed.is_none_or(|n| n > data.len()) {
+            return Err(outside());
+        }
+        Ok((0..count).map(|i| item(size, &data[i * stride..i * stride + size])).collect())
+    }
+}
+
+fn list(value: &Value) -> impl Iterator<Item = &Value> {
+    value.as_array().into_iter().flatten()
+}
+
 fn product(a: &Matrix, b: &Matrix) -> Matrix {
     b.map(|column| std::array::from_fn(|row| (0..4).map(|k| a[k][row] * column[k]).sum()))
-}
-
-fn add(
-    primitive: &Primitive<'_>,
-    matrix: &Matrix,
-    buffers: &[Vec<u8>],
-    file: &str,
-    raw: &mut RawMesh,
-) -> Result<(), MeshError> {
-    match primitive.mode() {
-        Mode::Triangles => {}
-        Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => return Ok(()),
-        Mode::TriangleStrip | Mode::TriangleFan => {
-            return Err(unsupported(file, "triangle strips or fans"));
-        }
-    }
-    if primitive.morph_targets().next().is_some() {
-        return Err(unsupported(file, "morph targets"));
-    }
-    let accessor = primitive
-        .get(&Semantic::Positions)
-        .ok_or_else(|| MeshError::syntax(file, "has triangles without positions"))?;
-    let first = raw.positions.len();
-    let positions = items(&accessor, buffers, file, DataType::F32, Dimensions::Vec3, |b| {
-        let float =
-            |at: usize| f64::from(f32::from_le_bytes([b[at], b[at + 1], b[at + 2], b[at + 3]]));
-        let p = [float(0), float(4), float(8), 1.0];
-        let row = |r: usize| (0..4).map(|k| matrix[k][r] * p[k]).sum::<f64>();
-        Vec3::new(row(0), row(1), row(2))
-    })?;
-    let count = positions.len();
-    let indices: Vec<u32> = match primitive.indices() {
-        None => (0..count as u32).collect(),
-        Some(accessor) => {
-            let scalar = Dimensions::Scalar;
-            match accessor.data_type() {
-                DataType::U8 => {
-                    items(&accessor, buffers, file, DataType::U8, scalar, |b| u32::from(b[0]))
-                }
-                DataType::U16 => items(&accessor, buffers, file, DataType::U16, scalar, |b| {
-                    u32::from(u16::from_le_bytes([b[0], b[1]]))
-                }),
-                kind => items(&accessor, buffers, file, kind, scalar, |b| {
-                    u32::from_le_bytes([b[0], b[1], b[2], b[3]])
-                }),
-            }?
-        }
-    };
-    // Many nodes may share one mesh: a small file can mean a thousand million triangles.
-    too_many(raw.triangles.len() + indices.len() / 3, file)?;
-    too_many((first + count) / 3, file)?;
-    raw.positions.extend(positions);
-    let [x, y, z] = [0, 1, 2].map(|k| Vec3::new(matrix[k][0], matrix[k][1], matrix[k][2]));
-    // A mirroring transform turns the faces inside out: the format says to turn them back.
-    let mirrored = x.cross(y).dot(z) < 0.0;
-    for corners in indices.chunks_exact(3) {
-        let face = raw.triangles.len() as u32;
-        let shifted = |i: u32| {
-            if (i as usize) < count { first as u32 + i } else { u32::MAX }
-        };
-        let [a, b, c] = [corners[0], corners[1], corners[2]].map(shifted);
-        raw.push_polygon(&if mirrored { [a, c, b] } else { [a, b, c] }, face, None);
-    }
-    Ok(())
-}
-
-/// An accessor's items, each made from its bytes; refuses what does not lie within its buffer.
-fn items<T>(
-    accessor: &Accessor<'_>,
-    buffers: &[Vec<u8>],
-    file: &str,
-    data_type: DataType,
-    dimensions: Dimensions,
-    item: impl Fn(&[u8]) -> T,
-) -> Result<Vec<T>, MeshError> {
-    let bad = |what: &str| MeshError::syntax(file, format!("accessor {} {what}", accessor.index()));
-    if accessor.sparse().is_some() {
-        return Err(unsupported(file, "sparse accessors"));
-    }
-    let supported =
-        matches!(data_type, DataType::F32 | DataType::U8 | DataType::U16 | DataType::U32)
-            && (data_type == DataType::F32) == (dimensions == Dimensions::Vec3);
-    if accessor.data_type() != data_type || accessor.dimensions() != dimensions || !supported {
-        return Err(bad("has a type that the format does not allow there"));
-    }
-    let view = accessor.view().ok_or_else(|| bad("has no data"))?;
-    let size = accessor.size();
-    let stride = view.stride().unwrap_or(size);
-    if stride < size {
-        return Err(bad("has items that overlap"));
-    }
-    let outside = || bad("reaches outside its buffer");
-    let buffer = buffers.get(view.buffer().index()).ok_or_else(outside)?;
-    let end = view.offset().checked_add(view.length()).ok_or_else(outside)?;
-    let data = buffer
-        .get(view.offset()..end)
-        .and_then(|view| view.get(accessor.offset()..))
-        .ok_or_else(outside)?;
-    let count = accessor.count();
-    let needed = match count.checked_sub(1) {
-        None => 0,
-        Some(steps) => {
-            steps.checked_mul(stride).and_then(|n| n.checked_add(size)).ok_or_else(outside)?
-        }
-    };
-    if needed > data.len() {
-        return Err(outside());
-    }
-    Ok((0..count).map(|i| item(&data[i * stride..i * stride + size])).collect())
 }

@@ -12,6 +12,8 @@ mod off;
 mod ply;
 mod read;
 mod stl;
+#[cfg(test)]
+mod tests;
 
 pub use error::MeshError;
 pub use mend::{Mended, Surface, mend};
