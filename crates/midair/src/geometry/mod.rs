@@ -3,6 +3,7 @@
 mod convex;
 mod frame;
 mod height_field;
+pub mod mesh;
 mod mesh_surface;
 mod ray;
 mod real;

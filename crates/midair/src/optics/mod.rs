@@ -3,5 +3,6 @@
 //! Every formula here is a pure function over [`Real`](crate::geometry::Real), so the transport,
 //! its derivatives and the forward simulator share one copy of it.
 
+pub mod glass;
 pub mod interface;
 pub mod plate;

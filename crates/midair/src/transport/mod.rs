@@ -2,10 +2,12 @@
 
 #[cfg(test)]
 pub(crate) mod bench_setup;
+mod build;
 mod path;
 mod setup;
 #[cfg(test)]
 pub(crate) mod tests;
 
+pub use build::{DESIGN_WAVELENGTH, SetupError};
 pub use path::{Action, End, Path, Step, on_display};
 pub use setup::{Element, MAX_SOLIDS, Matter, Setup};

@@ -1,0 +1,147 @@
+//! From the bytes of any format to vertices and triangles.
+
+use super::{MeshError, gltf, obj, off, ply, stl};
+use crate::geometry::Vec3;
+use std::path::Path;
+
+/// The mesh formats that are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MeshFormat {
+    /// Wavefront OBJ.
+    Obj,
+    /// STL, text or binary.
+    Stl,
+    /// PLY, text or binary.
+    Ply,
+    /// OFF, text.
+    Off,
+    /// glTF 2.0, JSON or GLB.
+    Gltf,
+}
+
+impl MeshFormat {
+    /// By a path's extension, in any case.
+    pub fn of(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "obj" => Some(Self::Obj),
+            "stl" => Some(Self::Stl),
+            "ply" => Some(Self::Ply),
+            "off" => Some(Self::Off),
+            "gltf" | "glb" => Some(Self::Gltf),
+            _ => None,
+        }
+    }
+}
+
+/// A mesh as its file has it: polygons cut into triangles, nothing mended.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct RawMesh {
+    /// The vertices.
+    pub positions: Vec<Vec3>,
+    /// Indices into `positions`.
+    pub triangles: Vec<[u32; 3]>,
+    /// For each triangle the face of the file that it was cut from, in the file's numbering.
+    pub faces: Vec<u32>,
+    /// For each triangle the line of a text format that has its face; else empty.
+    pub lines: Vec<u32>,
+}
+
+/// More triangles than this do not fit the memory that tracing them takes.
+const MOST_TRIANGLES: usize = 20_000_000;
+/// Coordinates beyond this overflow when areas and volumes are formed in single steps.
+const MOST_COORDINATE: f64 = 1e30;
+
+impl RawMesh {
+    /// How messages call the face that a triangle came from.
+    pub(super) fn face_name(&self, triangle: usize) -> String {
+        let face = self.faces.get(triangle).copied().unwrap_or(0);
+        match self.lines.get(triangle) {
+            Some(line) => format!("face {face} (line {line})"),
+            None => format!("face {face}"),
+        }
+    }
+
+    /// Cuts a polygon into a fan of triangles about its first corner.
+    ///
+    /// `indices` need not be in range: [`read`] checks them for every format.
+    pub(super) fn push_polygon(&mut self, indices: &[u32], face: u32, line: Option<u32>) {
+        let [first, rest @ ..] = indices else { return };
+        for pair in rest.windows(2) {
+            self.triangles.push([*first, pair[0], pair[1]]);
+            self.faces.push(face);
+            self.lines.extend(line);
+        }
+    }
+}
+
+/// Reads a mesh from bytes. `file` names it in messages; `folder` is where a glTF file's
+/// buffers are looked for, `None`: only in the file itself.
+///
+/// # Errors
+/// What does not follow the format, announces more than it holds, has an index out of range or
+/// a coordinate that is no finite number.
+pub fn read(
+    bytes: &[u8],
+    format: MeshFormat,
+    file: &str,
+    folder: Option<&Path>,
+) -> Result<RawMesh, MeshError> {
+    let raw = match format {
+        MeshFormat::Obj => obj::read(bytes, file),
+        MeshFormat::Stl => stl::read(bytes, file),
+        MeshFormat::Ply => ply::read(bytes, file),
+        MeshFormat::Off => off::read(bytes, file),
+        MeshFormat::Gltf => gltf::read(bytes, file, folder),
+    }?;
+    if raw.triangles.is_empty() {
+        return Err(MeshError::new(
+            file,
+            "has no faces",
+            "export the model as a mesh of triangles or polygons",
+        ));
+    }
+    too_many(raw.triangles.len(), file)?;
+    for (i, triangle) in raw.triangles.iter().enumerate() {
+        for &v in triangle {
+            match raw.positions.get(v as usize) {
+                None => {
+                    return Err(MeshError::syntax(
+                        file,
+                        format!(
+                            "{} refers to vertex {v} (counted from 0) of {}",
+                            raw.face_name(i),
+                            raw.positions.len()
+                        ),
+                    ));
+                }
+                Some(p) if p.to_array().iter().any(|x| !(x.abs() <= MOST_COORDINATE)) => {
+                    return Err(MeshError::new(
+                        file,
+                        format!(
+                            "{} has a corner at [{}, {}, {}], vertex {v} (counted from 0)",
+                            raw.face_name(i),
+                            p.x,
+                            p.y,
+                            p.z
+                        ),
+                        "coordinates must be finite numbers: repair the vertex and export again",
+                    ));
+                }
+                Some(_) => {}
+            }
+        }
+    }
+    Ok(raw)
+}
+
+/// Refuses numbers of triangles that memory would not hold.
+pub(super) fn too_many(triangles: usize, file: &str) -> Result<(), MeshError> {
+    if triangles <= MOST_TRIANGLES {
+        return Ok(());
+    }
+    Err(MeshError::new(
+        file,
+        format!("has {triangles} triangles, more than the {MOST_TRIANGLES} that are traced"),
+        "simplify the mesh",
+    ))
+}

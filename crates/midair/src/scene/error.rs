@@ -1,0 +1,138 @@
+//! What is wrong with a scene file: where, and what to do.
+
+use miette::{Diagnostic, NamedSource, SourceSpan};
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::Arc;
+use thiserror::Error;
+
+/// One thing that is wrong with a scene, with its place in the file and a remedy.
+///
+/// `Display` gives one line, `file:line:column: what is wrong`; as a [`Diagnostic`] it also
+/// shows the source line and the remedy. Further faults of the same file are in
+/// [`SceneError::others`].
+#[derive(Debug, Clone, Error, Diagnostic)]
+#[error("{place}: {message}")]
+pub struct SceneError {
+    /// `file:line:column`, both counted from 1; the file alone when no line is to blame.
+    pub place: String,
+    /// What is wrong.
+    pub message: String,
+    /// What to do about it.
+    #[help]
+    pub help: String,
+    /// The file's name and text.
+    #[source_code]
+    text: NamedSource<Arc<str>>,
+    /// The bytes to blame.
+    #[label("here")]
+    span: Option<SourceSpan>,
+    /// What else is wrong with the same file.
+    #[related]
+    pub others: Vec<SceneError>,
+}
+
+impl SceneError {
+    /// The bytes of the file that are to blame.
+    pub fn span(&self) -> Option<Range<usize>> {
+        self.span.map(|s| s.offset()..s.offset() + s.len())
+    }
+
+    /// Several faults as one: the first in the file, the rest as its `others`.
+    pub(super) fn gathered(mut faults: Vec<Self>) -> Option<Self> {
+        // Without this bound a hostile file of a million unknown keys costs gigabytes.
+        const SHOWN: usize = 16;
+        faults.sort_by_key(|f| f.span.map_or(0, |s| s.offset()));
+        faults.truncate(SHOWN);
+        let mut faults = faults.into_iter();
+        let mut first = faults.next()?;
+        first.others.extend(faults);
+        Some(first)
+    }
+}
+
+/// A scene file's text, and where each of its keys stands.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SceneText {
+    name: String,
+    text: Arc<str>,
+    spans: BTreeMap<String, Range<usize>>,
+}
+
+impl SceneText {
+    pub(super) fn new(name: &str, text: &str) -> Self {
+        Self { name: name.to_owned(), text: text.into(), spans: BTreeMap::new() }
+    }
+
+    pub(super) fn record(&mut self, key: String, span: Range<usize>) {
+        self.spans.insert(key, span);
+    }
+
+    /// The file's name as it was given.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Whether the file itself has this key, such as `plate.rotation`.
+    pub fn has(&self, key: &str) -> bool {
+        self.spans.contains_key(key)
+    }
+
+    /// An error at a key such as `plate.rotation` or `element[0].shape.radius`; at the nearest
+    /// enclosing one where the file leaves that key out.
+    pub fn error_at(
+        &self,
+        key: &str,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> SceneError {
+        let mut key = key;
+        loop {
+            if let Some(span) = self.spans.get(key) {
+                return self.error(Some(span.clone()), message, help);
+            }
+            match key.rfind(['.', '[']) {
+                Some(end) => key = &key[..end],
+                None => return self.error(None, message, help),
+            }
+        }
+    }
+
+    /// An error at a range of bytes, or of the file as a whole.
+    pub(super) fn error(
+        &self,
+        span: Option<Range<usize>>,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> SceneError {
+        let span = span.map(|s| {
+            let start = floor_char_boundary(&self.text, s.start);
+            start..floor_char_boundary(&self.text, s.end).max(start)
+        });
+        let place = match &span {
+            Some(span) => {
+                let before = &self.text[..span.start];
+                let line = before.bytes().filter(|&b| b == b'\n').count() + 1;
+                let column = before.rsplit('\n').next().map_or(0, |l| l.chars().count()) + 1;
+                format!("{}:{line}:{column}", self.name)
+            }
+            None => self.name.clone(),
+        };
+        SceneError {
+            place,
+            message: message.into(),
+            help: help.into(),
+            text: NamedSource::new(&self.name, Arc::clone(&self.text)),
+            span: span.map(SourceSpan::from),
+            others: Vec::new(),
+        }
+    }
+}
+
+fn floor_char_boundary(text: &str, at: usize) -> usize {
+    let mut at = at.min(text.len());
+    while !text.is_char_boundary(at) {
+        at -= 1;
+    }
+    at
+}

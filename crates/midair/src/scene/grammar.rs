@@ -1,0 +1,545 @@
+//! The scene file's grammar, said once: the reader, the messages and the JSON Schema follow it.
+
+/// A named set of keys.
+pub(super) struct Block {
+    /// What people call it, with its article.
+    pub name: &'static str,
+    pub about: &'static str,
+    pub keys: &'static [Key],
+    /// Sets of keys of which exactly one is given.
+    pub exactly_one: &'static [&'static [&'static str]],
+}
+
+pub(super) struct Key {
+    pub name: &'static str,
+    pub kind: Kind,
+    pub unit: Option<&'static str>,
+    pub need: Need,
+    pub about: &'static str,
+}
+
+/// Whether a key must be given, and what it means when it is not.
+pub(super) enum Need {
+    Required,
+    /// Left out, it means what `about` says.
+    Optional,
+    Number(f64),
+    Numbers(&'static [f64]),
+    Integer(i64),
+    Integers(&'static [i64]),
+    Flag(bool),
+    Text(&'static str),
+}
+
+/// What a key's value may be. Bounds are inclusive.
+pub(super) enum Kind {
+    Text,
+    File,
+    Flag,
+    Number(f64, f64),
+    Integer(i64, i64),
+    /// A list of `len` numbers.
+    Numbers(usize, f64, f64),
+    /// A list of `len` whole numbers.
+    Integers(usize, i64, i64),
+    /// A number, or three for red, green and blue.
+    Colour(f64, f64),
+    /// A list of rows of numbers, all of one length.
+    Rows(f64, f64),
+    Choice(&'static [&'static str]),
+    /// A glass of the catalogue.
+    Glass,
+    Block(&'static Block),
+    /// A list of blocks.
+    Blocks(&'static Block),
+    /// A block whose key `kind` says which.
+    Variants(&'static [(&'static str, &'static Block)]),
+}
+
+/// Bounds of a size in mm: a nanometre to a kilometre. Beyond them lies a mistyped unit, and
+/// arithmetic that runs out of digits.
+const SMALLEST: f64 = 1e-6;
+const LARGEST: f64 = 1e6;
+const SIZE: Kind = Kind::Number(SMALLEST, LARGEST);
+/// Bound of an index of refraction: vacuum to beyond germanium.
+const INDEX: (f64, f64) = (1.0, 5.0);
+
+const fn required(
+    name: &'static str,
+    kind: Kind,
+    unit: Option<&'static str>,
+    about: &'static str,
+) -> Key {
+    Key { name, kind, unit, need: Need::Required, about }
+}
+
+const fn optional(
+    name: &'static str,
+    kind: Kind,
+    unit: Option<&'static str>,
+    need: Need,
+    about: &'static str,
+) -> Key {
+    Key { name, kind, unit, need, about }
+}
+
+const fn size(name: &'static str, about: &'static str) -> Key {
+    required(name, SIZE, Some("mm"), about)
+}
+
+const fn rectangle_size(about: &'static str) -> Key {
+    required("size", Kind::Numbers(2, SMALLEST, LARGEST), Some("mm"), about)
+}
+
+const POSITION: Key = optional(
+    "position",
+    Kind::Numbers(3, -LARGEST, LARGEST),
+    Some("mm"),
+    Need::Numbers(&[0.0, 0.0, 0.0]),
+    "Where its origin stands: x right, y up, z towards the viewer.",
+);
+const ROTATION: Key = optional(
+    "rotation",
+    Kind::Numbers(3, -36_000.0, 36_000.0),
+    Some("degrees"),
+    Need::Numbers(&[0.0, 0.0, 0.0]),
+    "How it is turned: Rx*Ry*Rz of these angles.",
+);
+const KIND: Key = required("kind", Kind::Text, None, "Which shape it is.");
+const FACING: Key = required(
+    "facing",
+    Kind::Choice(&["convex", "concave"]),
+    None,
+    "Which way it curves, seen from its local +z side.",
+);
+
+const fn block(name: &'static str, about: &'static str, keys: &'static [Key]) -> Block {
+    Block { name, about, keys, exactly_one: &[] }
+}
+
+pub(super) static SCENE: Block = block(
+    "the scene",
+    "A mid-air display: the viewpoint, the image, the plate, the display and the elements. \
+     Millimetres, degrees, right-handed, +y up.",
+    &[
+        optional(
+            "$schema",
+            Kind::Text,
+            None,
+            Need::Optional,
+            "Where an editor finds this schema; midair does not read it.",
+        ),
+        optional(
+            "name",
+            Kind::Text,
+            None,
+            Need::Optional,
+            "What people call it; default: the file's name.",
+        ),
+        optional(
+            "max_interactions",
+            Kind::Integer(1, 10_000),
+            None,
+            Need::Integer(32),
+            "The most interactions that one path may have.",
+        ),
+        optional(
+            "follow_total_reflection",
+            Kind::Flag,
+            None,
+            Need::Flag(false),
+            "Whether paths are followed through total internal reflection; otherwise they end there.",
+        ),
+        required(
+            "viewpoint",
+            Kind::Block(&VIEWPOINT),
+            None,
+            "The eye that the image is compensated for.",
+        ),
+        required("image", Kind::Block(&IMAGE), None, "The undistorted mid-air image."),
+        required("plate", Kind::Block(&PLATE), None, "The micro-mirror array plate."),
+        optional(
+            "display",
+            Kind::Block(&DISPLAY),
+            None,
+            Need::Optional,
+            "The light source; left out: 1024 x 1024 pixels where it belongs.",
+        ),
+        optional(
+            "element",
+            Kind::Blocks(&ELEMENT),
+            None,
+            Need::Optional,
+            "The distortive objects, in any order.",
+        ),
+    ],
+);
+
+static VIEWPOINT: Block = block(
+    "the viewpoint",
+    "One eye, or a camera; the compensation is exact for this point.",
+    &[required("position", Kind::Numbers(3, -LARGEST, LARGEST), Some("mm"), "Where the eye is.")],
+);
+
+static IMAGE: Block = block(
+    "the image",
+    "The undistorted mid-air image: a rectangle whose front (local +z) faces the viewer.",
+    &[POSITION, ROTATION, rectangle_size("Width and height.")],
+);
+
+static PLATE: Block = block(
+    "the plate",
+    "The micro-mirror array plate; its normal is local +z and faces the image.",
+    &[
+        POSITION,
+        ROTATION,
+        rectangle_size("Width and height."),
+        optional(
+            "model",
+            Kind::Choice(&["ideal", "slit-mirror"]),
+            None,
+            Need::Text("ideal"),
+            "How it treats light: plane symmetry without loss, or two crossed layers of slit mirrors.",
+        ),
+        optional(
+            "pitch",
+            SIZE,
+            Some("mm"),
+            Need::Number(0.5),
+            "slit-mirror: distance between the mirrors of one layer.",
+        ),
+        optional(
+            "layer_depth",
+            SIZE,
+            Some("mm"),
+            Need::Number(1.25),
+            "slit-mirror: depth of each of the two layers.",
+        ),
+        optional(
+            "azimuth",
+            Kind::Number(-36_000.0, 36_000.0),
+            Some("degrees"),
+            Need::Number(45.0),
+            "slit-mirror: direction of the first layer's mirrors, from local +x.",
+        ),
+        optional(
+            "reflectance",
+            Kind::Colour(0.0, 1.0),
+            None,
+            Need::Number(0.87),
+            "slit-mirror: reflectance of one mirror; one number, or linear R, G, B.",
+        ),
+        optional(
+            "ior",
+            Kind::Number(INDEX.0, INDEX.1),
+            None,
+            Need::Number(1.52),
+            "slit-mirror: refractive index of the plate's glass.",
+        ),
+        optional(
+            "cover_glass",
+            Kind::Number(0.0, LARGEST),
+            Some("mm"),
+            Need::Number(0.75),
+            "slit-mirror: thickness of the cover glass on each face.",
+        ),
+        optional(
+            "glass_absorption",
+            Kind::Colour(0.0, 1e6),
+            Some("per mm"),
+            Need::Number(0.0),
+            "slit-mirror: absorption coefficient of the plate's glass; one number, or linear R, G, B.",
+        ),
+        optional(
+            "mirror_thickness",
+            Kind::Number(0.0, LARGEST),
+            Some("mm"),
+            Need::Number(0.0),
+            "slit-mirror: thickness of one mirror, whose end stops light; less than the pitch.",
+        ),
+    ],
+);
+
+/// The plate's keys that only a slit-mirror plate has.
+pub(super) const SLIT_MIRROR_KEYS: [&str; 8] = [
+    "pitch",
+    "layer_depth",
+    "azimuth",
+    "reflectance",
+    "ior",
+    "cover_glass",
+    "glass_absorption",
+    "mirror_thickness",
+];
+
+static DISPLAY: Block = block(
+    "the display",
+    "The light source. Position and rotation left out, it stands where it belongs with flat \
+     mirrors and no solids, so that with no element every pixel st shows at image uv = st.",
+    &[
+        optional(
+            "resolution",
+            Kind::Integers(2, 1, 32_768),
+            Some("pixels"),
+            Need::Integers(&[1024, 1024]),
+            "Width and height in pixels.",
+        ),
+        optional(
+            "position",
+            Kind::Numbers(3, -LARGEST, LARGEST),
+            Some("mm"),
+            Need::Optional,
+            "Where its centre stands; left out with the rotation: where it belongs.",
+        ),
+        optional(
+            "rotation",
+            Kind::Numbers(3, -36_000.0, 36_000.0),
+            Some("degrees"),
+            Need::Optional,
+            "How it is turned: Rx*Ry*Rz of these angles; left out with the position: as it belongs.",
+        ),
+        optional(
+            "size",
+            Kind::Numbers(2, SMALLEST, LARGEST),
+            Some("mm"),
+            Need::Optional,
+            "Width and height; left out: the image's.",
+        ),
+    ],
+);
+
+static ELEMENT: Block = block(
+    "an element",
+    "A distortive object: a refractive solid, or a reflective surface.",
+    &[
+        optional(
+            "$schema",
+            Kind::Text,
+            None,
+            Need::Optional,
+            "Where an editor finds this schema; midair does not read it.",
+        ),
+        optional(
+            "name",
+            Kind::Text,
+            None,
+            Need::Optional,
+            "What people call it; default: its shape.",
+        ),
+        required("shape", Kind::Variants(&SHAPES), None, "Its form, in its own frame."),
+        POSITION,
+        ROTATION,
+        required("material", Kind::Block(&MATERIAL), None, "What it is made of."),
+        ABSORPTION,
+        optional(
+            "priority",
+            Kind::Integer(i32::MIN as i64, i32::MAX as i64),
+            None,
+            Need::Optional,
+            "Nested media: the higher one fills where solids overlap; left out: the smaller solid.",
+        ),
+    ],
+);
+
+const ABSORPTION: Key = optional(
+    "absorption",
+    Kind::Colour(0.0, 1e6),
+    Some("per mm"),
+    Need::Optional,
+    "Refractive solids: absorption coefficient; one number, or linear R, G, B; left out: none.",
+);
+
+static MATERIAL: Block = Block {
+    name: "a material",
+    about: "What an element is made of: exactly one of ior, glass, cauchy and mirror.",
+    keys: &[
+        optional(
+            "ior",
+            Kind::Number(INDEX.0, INDEX.1),
+            None,
+            Need::Optional,
+            "Refractive index, the same for every wavelength.",
+        ),
+        optional("glass", Kind::Glass, None, Need::Optional, "A catalogue glass, with dispersion."),
+        optional(
+            "cauchy",
+            Kind::Numbers(2, -1.0, INDEX.1),
+            None,
+            Need::Optional,
+            "A and B of n = A + B / lambda^2, lambda in micrometres.",
+        ),
+        optional("mirror", Kind::Flag, None, Need::Optional, "true: a reflective surface."),
+        optional(
+            "reflectance",
+            Kind::Colour(0.0, 1.0),
+            None,
+            Need::Number(1.0),
+            "Mirrors: one number, or linear R, G, B.",
+        ),
+        ABSORPTION,
+    ],
+    exactly_one: &[&["ior", "glass", "cauchy", "mirror"]],
+};
+
+static SHAPES: [(&str, &Block); 10] = [
+    ("sphere", &block("a sphere", "A ball.", &[KIND, size("radius", "Radius.")])),
+    (
+        "ellipsoid",
+        &block(
+            "an ellipsoid",
+            "A ball stretched along its axes.",
+            &[
+                KIND,
+                required(
+                    "radii",
+                    Kind::Numbers(3, SMALLEST, LARGEST),
+                    Some("mm"),
+                    "Semi-axes along local x, y and z.",
+                ),
+            ],
+        ),
+    ),
+    (
+        "box",
+        &block(
+            "a box",
+            "A block.",
+            &[
+                KIND,
+                required(
+                    "size",
+                    Kind::Numbers(3, SMALLEST, LARGEST),
+                    Some("mm"),
+                    "Edge lengths along local x, y and z.",
+                ),
+            ],
+        ),
+    ),
+    (
+        "cylinder",
+        &block(
+            "a cylinder",
+            "A capped cylinder about local y.",
+            &[KIND, size("radius", "Radius."), size("height", "Length along local y.")],
+        ),
+    ),
+    (
+        "cone",
+        &block(
+            "a cone",
+            "A capped cone or frustum about local y.",
+            &[
+                KIND,
+                size("radius", "Radius at the bottom (-y) end."),
+                optional(
+                    "top_radius",
+                    Kind::Number(0.0, LARGEST),
+                    Some("mm"),
+                    Need::Number(0.0),
+                    "Radius at the top (+y) end; 0: a pointed cone.",
+                ),
+                size("height", "Length along local y."),
+            ],
+        ),
+    ),
+    (
+        "plane",
+        &block(
+            "a plane",
+            "A flat mirror; its normal is local +z.",
+            &[KIND, rectangle_size("Width and height.")],
+        ),
+    ),
+    (
+        "cylinder-mirror",
+        &block(
+            "a cylinder-mirror",
+            "A sheet bent about an axis parallel to local y; its middle is the origin, its normal there local +z.",
+            &[
+                KIND,
+                size("radius", "Radius of curvature."),
+                rectangle_size("Arc length, and length along local y."),
+                FACING,
+            ],
+        ),
+    ),
+    (
+        "sphere-mirror",
+        &block(
+            "a sphere-mirror",
+            "A cap of a sphere; its middle is the origin, its normal there local +z.",
+            &[
+                KIND,
+                size("radius", "Radius of curvature."),
+                size("diameter", "Diameter of the cap's rim."),
+                FACING,
+            ],
+        ),
+    ),
+    (
+        "height-field",
+        &Block {
+            name: "a height-field",
+            about: "A surface z(x, y) over a rectangle: a water surface, an asphere.",
+            keys: &[
+                KIND,
+                optional(
+                    "file",
+                    Kind::File,
+                    None,
+                    Need::Optional,
+                    "A grey picture (PNG of 8 or 16 bit, or EXR), relative to the scene file; white stands for a sample of 1.",
+                ),
+                optional(
+                    "samples",
+                    Kind::Rows(-LARGEST, LARGEST),
+                    None,
+                    Need::Optional,
+                    "Rows of samples, the first row at the +y edge.",
+                ),
+                rectangle_size("Width and height of the rectangle."),
+                size("amplitude", "Height that a sample of 1 stands for."),
+                optional(
+                    "depth",
+                    SIZE,
+                    Some("mm"),
+                    Need::Optional,
+                    "Refractive ones: how far the solid reaches below local z = 0; default: the amplitude.",
+                ),
+            ],
+            exactly_one: &[&["file", "samples"]],
+        },
+    ),
+    (
+        "mesh",
+        &block(
+            "a mesh",
+            "A triangle mesh: OBJ, STL, PLY, OFF, glTF or GLB.",
+            &[
+                KIND,
+                required("file", Kind::File, None, "The mesh file, relative to the scene file."),
+                optional(
+                    "scale",
+                    Kind::Number(1e-9, 1e9),
+                    None,
+                    Need::Number(1.0),
+                    "Factor on the file's coordinates.",
+                ),
+                optional(
+                    "unit",
+                    Kind::Choice(&["mm", "um", "cm", "m", "in", "ft"]),
+                    None,
+                    Need::Text("mm"),
+                    "The file's unit of length.",
+                ),
+                optional(
+                    "normals",
+                    Kind::Choice(&["smooth", "flat"]),
+                    None,
+                    Need::Text("smooth"),
+                    "Interpolated from the vertices, or each face's own.",
+                ),
+            ],
+        ),
+    ),
+];

@@ -1,0 +1,295 @@
+//! From a conforming tree to the model.
+
+use super::grammar::{Block, Kind, Need};
+use super::model::*;
+use super::tree::{Entry, Node, Value, millimetres};
+use std::path::PathBuf;
+
+/// A table with the block that it conforms to: values given, else the grammar's defaults.
+///
+/// Every getter is `None` where the key is neither given nor has a default of that type.
+struct Fields<'a> {
+    block: &'a Block,
+    table: &'a [Entry],
+}
+
+impl<'a> Fields<'a> {
+    fn given(&self, key: &str) -> Option<&'a Node> {
+        self.table.iter().find(|e| e.key == key).map(|e| &e.node)
+    }
+
+    fn default(&self, key: &str) -> Option<&'a Need> {
+        self.block.keys.iter().find(|k| k.name == key).map(|k| &k.need)
+    }
+
+    fn number(&self, key: &str) -> Option<f64> {
+        match self.given(key) {
+            Some(node) => number(node),
+            None => match self.default(key)? {
+                Need::Number(n) => Some(*n),
+                _ => None,
+            },
+        }
+    }
+
+    fn integer(&self, key: &str) -> Option<i64> {
+        match self.given(key) {
+            Some(Node { value: Value::Integer(i), .. }) => Some(*i),
+            Some(_) => None,
+            None => match self.default(key)? {
+                Need::Integer(i) => Some(*i),
+                _ => None,
+            },
+        }
+    }
+
+    fn numbers<const N: usize>(&self, key: &str) -> Option<[f64; N]> {
+        match self.given(key) {
+            Some(Node { value: Value::List(list), .. }) => {
+                list.iter().map(number).collect::<Option<Vec<_>>>()?.try_into().ok()
+            }
+            Some(_) => None,
+            None => match self.default(key)? {
+                Need::Numbers(n) => (*n).try_into().ok(),
+                _ => None,
+            },
+        }
+    }
+
+    fn sizes<const N: usize>(&self, key: &str) -> Option<[usize; N]> {
+        let integers: Vec<i64> = match self.given(key) {
+            Some(Node { value: Value::List(list), .. }) => list
+                .iter()
+                .map(|n| match n.value {
+                    Value::Integer(i) => Some(i),
+                    _ => None,
+                })
+                .collect::<Option<_>>()?,
+            Some(_) => return None,
+            None => match self.default(key)? {
+                Need::Integers(n) => n.to_vec(),
+                _ => return None,
+            },
+        };
+        let sizes: Option<Vec<usize>> = integers.iter().map(|&i| i.try_into().ok()).collect();
+        sizes?.try_into().ok()
+    }
+
+    fn colour(&self, key: &str) -> Option<[f64; 3]> {
+        match self.given(key) {
+            Some(Node { value: Value::List(_), .. }) => self.numbers(key),
+            _ => self.number(key).map(|n| [n; 3]),
+        }
+    }
+
+    fn flag(&self, key: &str) -> Option<bool> {
+        match self.given(key) {
+            Some(Node { value: Value::Flag(flag), .. }) => Some(*flag),
+            Some(_) => None,
+            None => match self.default(key)? {
+                Need::Flag(flag) => Some(*flag),
+                _ => None,
+            },
+        }
+    }
+
+    fn text(&self, key: &str) -> Option<&'a str> {
+        match self.given(key) {
+            Some(Node { value: Value::Text(text), .. }) => Some(text),
+            Some(_) => None,
+            None => match self.default(key)? {
+                Need::Text(text) => Some(text),
+                _ => None,
+            },
+        }
+    }
+
+    fn rows(&self, key: &str) -> Option<Vec<Vec<f64>>> {
+        let Value::List(rows) = &self.given(key)?.value else { return None };
+        rows.iter()
+            .map(|row| match &row.value {
+                Value::List(samples) => samples.iter().map(number).collect(),
+                _ => None,
+            })
+            .collect()
+    }
+
+    fn block(&self, key: &str) -> Option<Fields<'a>> {
+        let kind = &self.block.keys.iter().find(|k| k.name == key)?.kind;
+        let Value::Table(table) = &self.given(key)?.value else { return None };
+        let block = match kind {
+            Kind::Block(block) => block,
+            Kind::Variants(variants) => {
+                let kind = table.iter().find(|e| e.key == "kind")?;
+                let Value::Text(kind) = &kind.node.value else { return None };
+                variants.iter().find(|(name, _)| name == kind)?.1
+            }
+            _ => return None,
+        };
+        Some(Fields { block, table })
+    }
+
+    fn pose(&self) -> Option<Pose> {
+        Some(Pose { position: self.numbers("position")?, rotation: self.numbers("rotation")? })
+    }
+
+    fn rectangle(&self) -> Option<Rectangle> {
+        Some(Rectangle { pose: self.pose()?, size: self.numbers("size")? })
+    }
+}
+
+fn number(node: &Node) -> Option<f64> {
+    match node.value {
+        Value::Integer(i) => Some(i as f64),
+        Value::Number(n) => Some(n),
+        _ => None,
+    }
+}
+
+/// The scene that a conforming table describes; `None` when the table does not conform.
+/// `name` stands in where the scene has none.
+pub(super) fn scene(block: &Block, table: &[Entry], name: &str) -> Option<Scene> {
+    let fields = Fields { block, table };
+    let elements = match fields.given("element") {
+        None => Vec::new(),
+        Some(Node { value: Value::List(list), .. }) => {
+            let Kind::Blocks(block) = block.keys.iter().find(|k| k.name == "element")?.kind else {
+                return None;
+            };
+            list.iter()
+                .map(|node| match &node.value {
+                    Value::Table(table) => element(&Fields { block, table }),
+                    _ => None,
+                })
+                .collect::<Option<_>>()?
+        }
+        Some(_) => return None,
+    };
+    Some(Scene {
+        name: fields.text("name").unwrap_or(name).to_owned(),
+        max_interactions: fields.integer("max_interactions")?.try_into().ok()?,
+        follow_total_reflection: fields.flag("follow_total_reflection")?,
+        viewpoint: fields.block("viewpoint")?.numbers("position")?,
+        image: fields.block("image")?.rectangle()?,
+        plate: plate(&fields.block("plate")?)?,
+        display: display(&fields)?,
+        elements,
+    })
+}
+
+fn plate(fields: &Fields<'_>) -> Option<Plate> {
+    let model = match fields.text("model")? {
+        "ideal" => PlateModel::Ideal,
+        "slit-mirror" => PlateModel::SlitMirror(SlitMirror {
+            pitch: fields.number("pitch")?,
+            layer_depth: fields.number("layer_depth")?,
+            azimuth: fields.number("azimuth")?,
+            reflectance: fields.colour("reflectance")?,
+            ior: fields.number("ior")?,
+            absorption: fields.colour("glass_absorption")?,
+            cover_glass: fields.number("cover_glass")?,
+            mirror_thickness: fields.number("mirror_thickness")?,
+        }),
+        _ => return None,
+    };
+    Some(Plate { rectangle: fields.rectangle()?, model })
+}
+
+fn display(scene: &Fields<'_>) -> Option<Display> {
+    let kind = &scene.block.keys.iter().find(|k| k.name == "display")?.kind;
+    let Kind::Block(block) = kind else { return None };
+    let table = match scene.given("display") {
+        Some(Node { value: Value::Table(table), .. }) => table.as_slice(),
+        Some(_) => return None,
+        None => &[],
+    };
+    let fields = Fields { block, table };
+    let pose = match (fields.numbers("position"), fields.numbers("rotation")) {
+        (None, None) => None,
+        (position, rotation) => Some(Pose {
+            position: position.unwrap_or_default(),
+            rotation: rotation.unwrap_or_default(),
+        }),
+    };
+    Some(Display { resolution: fields.sizes("resolution")?, pose, size: fields.numbers("size") })
+}
+
+fn element(fields: &Fields<'_>) -> Option<Element> {
+    let shape_fields = fields.block("shape")?;
+    let material = fields.block("material")?;
+    let name = fields.text("name").or(shape_fields.text("kind"))?.to_owned();
+    let absorption =
+        material.colour("absorption").or(fields.colour("absorption")).unwrap_or_default();
+    let material = if material.flag("mirror") == Some(true) {
+        Material::Mirror { reflectance: material.colour("reflectance")? }
+    } else {
+        let index = if let Some(ior) = material.number("ior") {
+            Index::Constant(ior)
+        } else if let Some([a, b]) = material.numbers("cauchy") {
+            Index::Cauchy(a, b)
+        } else {
+            Index::Glass(material.text("glass")?.to_owned())
+        };
+        Material::Refractive { index, absorption }
+    };
+    let priority = match fields.integer("priority") {
+        Some(priority) => Some(priority.try_into().ok()?),
+        None => None,
+    };
+    Some(Element { name, shape: shape(&shape_fields)?, pose: fields.pose()?, material, priority })
+}
+
+fn shape(fields: &Fields<'_>) -> Option<Shape> {
+    let facing = || match fields.text("facing")? {
+        "convex" => Some(Facing::Convex),
+        "concave" => Some(Facing::Concave),
+        _ => None,
+    };
+    Some(match fields.text("kind")? {
+        "sphere" => Shape::Sphere { radius: fields.number("radius")? },
+        "ellipsoid" => Shape::Ellipsoid { radii: fields.numbers("radii")? },
+        "box" => Shape::Box { size: fields.numbers("size")? },
+        "cylinder" => {
+            Shape::Cylinder { radius: fields.number("radius")?, height: fields.number("height")? }
+        }
+        "cone" => Shape::Cone {
+            radius: fields.number("radius")?,
+            top_radius: fields.number("top_radius")?,
+            height: fields.number("height")?,
+        },
+        "plane" => Shape::Plane { size: fields.numbers("size")? },
+        "cylinder-mirror" => Shape::CylinderMirror {
+            radius: fields.number("radius")?,
+            size: fields.numbers("size")?,
+            facing: facing()?,
+        },
+        "sphere-mirror" => Shape::SphereMirror {
+            radius: fields.number("radius")?,
+            diameter: fields.number("diameter")?,
+            facing: facing()?,
+        },
+        "height-field" => {
+            let amplitude = fields.number("amplitude")?;
+            Shape::HeightField {
+                source: match fields.text("file") {
+                    Some(file) => HeightSource::File(PathBuf::from(file)),
+                    None => HeightSource::Samples(fields.rows("samples")?),
+                },
+                size: fields.numbers("size")?,
+                amplitude,
+                depth: fields.number("depth").unwrap_or(amplitude),
+            }
+        }
+        "mesh" => Shape::Mesh {
+            file: PathBuf::from(fields.text("file")?),
+            scale: fields.number("scale")?,
+            unit: millimetres(fields.text("unit")?)?,
+            normals: match fields.text("normals")? {
+                "smooth" => Normals::Smooth,
+                "flat" => Normals::Flat,
+                _ => return None,
+            },
+        },
+        _ => return None,
+    })
+}

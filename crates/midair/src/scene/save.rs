@@ -1,0 +1,152 @@
+//! Writing a scene.
+
+use super::model::*;
+use super::tree::UNITS;
+use std::fmt::Write;
+
+/// The scene as a TOML file that [`super::parse`] reads back as the same scene.
+///
+/// A mesh whose unit is none of the file's named ones is written in millimetres with the unit
+/// multiplied into its scale.
+pub fn to_toml(scene: &Scene) -> String {
+    let mut out = String::new();
+    write_scene(&mut out, scene).expect("writing to a string does not fail");
+    out
+}
+
+fn write_scene(out: &mut String, scene: &Scene) -> std::fmt::Result {
+    writeln!(out, "name = {}", text(&scene.name))?;
+    writeln!(out, "max_interactions = {}", scene.max_interactions)?;
+    writeln!(out, "follow_total_reflection = {}", scene.follow_total_reflection)?;
+    writeln!(out, "\n[viewpoint]\nposition = {:?}", scene.viewpoint)?;
+    writeln!(out, "\n[image]\n{}", rectangle(&scene.image))?;
+    writeln!(out, "\n[plate]\n{}", rectangle(&scene.plate.rectangle))?;
+    match scene.plate.model {
+        PlateModel::Ideal => writeln!(out, "model = \"ideal\"")?,
+        PlateModel::SlitMirror(slit) => writeln!(
+            out,
+            "model = \"slit-mirror\"\npitch = {:?}\nlayer_depth = {:?}\nazimuth = {:?}\n\
+             reflectance = {:?}\nior = {:?}\ncover_glass = {:?}\nglass_absorption = {:?}\n\
+             mirror_thickness = {:?}",
+            slit.pitch,
+            slit.layer_depth,
+            slit.azimuth,
+            slit.reflectance,
+            slit.ior,
+            slit.cover_glass,
+            slit.absorption,
+            slit.mirror_thickness,
+        )?,
+    }
+    writeln!(out, "\n[display]\nresolution = {:?}", scene.display.resolution)?;
+    if let Some(pose) = scene.display.pose {
+        writeln!(out, "{}", pose_keys(&pose))?;
+    }
+    if let Some(size) = scene.display.size {
+        writeln!(out, "size = {size:?}")?;
+    }
+    for element in &scene.elements {
+        writeln!(out, "\n[[element]]\nname = {}", text(&element.name))?;
+        writeln!(out, "shape = {{ {} }}", shape(&element.shape))?;
+        writeln!(out, "{}", pose_keys(&element.pose))?;
+        writeln!(out, "material = {{ {} }}", material(&element.material))?;
+        if let Some(priority) = element.priority {
+            writeln!(out, "priority = {priority}")?;
+        }
+    }
+    Ok(())
+}
+
+/// Debug formatting of floats is the shortest text that reads back as the same number, and is
+/// TOML.
+fn pose_keys(pose: &Pose) -> String {
+    format!("position = {:?}\nrotation = {:?}", pose.position, pose.rotation)
+}
+
+fn rectangle(rectangle: &Rectangle) -> String {
+    format!("{}\nsize = {:?}", pose_keys(&rectangle.pose), rectangle.size)
+}
+
+fn shape(shape: &Shape) -> String {
+    match shape {
+        Shape::Sphere { radius } => format!("kind = \"sphere\", radius = {radius:?}"),
+        Shape::Ellipsoid { radii } => format!("kind = \"ellipsoid\", radii = {radii:?}"),
+        Shape::Box { size } => format!("kind = \"box\", size = {size:?}"),
+        Shape::Cylinder { radius, height } => {
+            format!("kind = \"cylinder\", radius = {radius:?}, height = {height:?}")
+        }
+        Shape::Cone { radius, top_radius, height } => format!(
+            "kind = \"cone\", radius = {radius:?}, top_radius = {top_radius:?}, \
+             height = {height:?}"
+        ),
+        Shape::Plane { size } => format!("kind = \"plane\", size = {size:?}"),
+        Shape::CylinderMirror { radius, size, facing } => format!(
+            "kind = \"cylinder-mirror\", radius = {radius:?}, size = {size:?}, facing = {}",
+            facing_name(*facing)
+        ),
+        Shape::SphereMirror { radius, diameter, facing } => format!(
+            "kind = \"sphere-mirror\", radius = {radius:?}, diameter = {diameter:?}, facing = {}",
+            facing_name(*facing)
+        ),
+        Shape::HeightField { source, size, amplitude, depth } => {
+            let source = match source {
+                HeightSource::File(file) => format!("file = {}", text(&file.to_string_lossy())),
+                HeightSource::Samples(rows) => format!("samples = {rows:?}"),
+            };
+            format!(
+                "kind = \"height-field\", {source}, size = {size:?}, amplitude = {amplitude:?}, \
+                 depth = {depth:?}"
+            )
+        }
+        Shape::Mesh { file, scale, unit, normals } => {
+            let named = UNITS.iter().find(|(_, factor)| factor == unit);
+            let (scale, unit) = named.map_or((scale * unit, "mm"), |(name, _)| (*scale, name));
+            let normals = match normals {
+                Normals::Smooth => "smooth",
+                Normals::Flat => "flat",
+            };
+            format!(
+                "kind = \"mesh\", file = {}, scale = {scale:?}, unit = \"{unit}\", \
+                 normals = \"{normals}\"",
+                text(&file.to_string_lossy())
+            )
+        }
+    }
+}
+
+fn facing_name(facing: Facing) -> &'static str {
+    match facing {
+        Facing::Convex => "\"convex\"",
+        Facing::Concave => "\"concave\"",
+    }
+}
+
+fn material(material: &Material) -> String {
+    match material {
+        Material::Mirror { reflectance } => {
+            format!("mirror = true, reflectance = {reflectance:?}")
+        }
+        Material::Refractive { index, absorption } => {
+            let index = match index {
+                Index::Constant(ior) => format!("ior = {ior:?}"),
+                Index::Cauchy(a, b) => format!("cauchy = [{a:?}, {b:?}]"),
+                Index::Glass(name) => format!("glass = {}", text(name)),
+            };
+            format!("{index}, absorption = {absorption:?}")
+        }
+    }
+}
+
+/// A TOML basic string.
+fn text(value: &str) -> String {
+    let mut out = String::from("\"");
+    for c in value.chars() {
+        match c {
+            '"' | '\\' => out.extend(['\\', c]),
+            c if c.is_control() => out.push_str(&format!("\\u{:04X}", u32::from(c))),
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
+}
