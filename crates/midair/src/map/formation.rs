@@ -1,0 +1,84 @@
+//! The image side of the map: which image points can be formed, and why the others cannot.
+
+use super::{Map, Status, pixel_centre};
+use crate::transport::{End, Path, Setup, on_display};
+use rayon::prelude::*;
+
+/// What becomes of an image point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ImagePoint {
+    /// The viewer sees it where it belongs.
+    Formed,
+    /// Its display pixel is seen at other image points as well (a caustic).
+    Folded,
+    /// Its path ends by total internal reflection in this element.
+    TotalReflection(u16),
+    /// Its path goes past the plate.
+    MissedPlate,
+    /// Its path meets the plate from behind.
+    PlateBehind,
+    /// Its path goes past the display's edge, or away from its front.
+    MissedDisplay,
+    /// Its path has more interactions than the scene allows.
+    TooManyInteractions,
+}
+
+/// What becomes of the image's points, and what display they ask for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Formation {
+    /// Points in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Row-major, the image's top row first.
+    pub points: Vec<ImagePoint>,
+    /// The part of the display's plane, lower left and upper right in st, that all points whose light gets through the
+    /// plate together ask for: within \[0, 1\], the display is large enough. `None` if there are none.
+    pub wanted: Option<[[f64; 2]; 2]>,
+}
+
+/// Follows the path of each image point of a `width` x `height` grid. `map` is the set-up's: it knows what folds.
+pub fn formation(setup: &Setup, map: &Map, [width, height]: [usize; 2]) -> Formation {
+    let followed: Vec<(ImagePoint, Option<[f64; 2]>)> = (0..width * height)
+        .into_par_iter()
+        .with_min_len(width)
+        .map_init(Path::new, |path, index| {
+            let end =
+                setup.transport(pixel_centre(index % width, index / width, width, height), path);
+            let through = match end {
+                End::Display { st, through_plate: true } => Some(st),
+                _ => None,
+            };
+            (classify(end, map), through)
+        })
+        .collect();
+    let mut wanted: Option<[[f64; 2]; 2]> = None;
+    for &st in followed.iter().filter_map(|(_, st)| st.as_ref()) {
+        let [low, high] = wanted.get_or_insert([st, st]);
+        for axis in 0..2 {
+            low[axis] = low[axis].min(st[axis]);
+            high[axis] = high[axis].max(st[axis]);
+        }
+    }
+    let points = followed.into_iter().map(|(point, _)| point).collect();
+    Formation { width, height, points, wanted }
+}
+
+fn classify(end: End, map: &Map) -> ImagePoint {
+    match end {
+        End::Display { through_plate: false, .. } | End::MissedPlate => ImagePoint::MissedPlate,
+        End::Display { st, .. } if !on_display(st) => ImagePoint::MissedDisplay,
+        End::Display { st: [s, t], .. } => {
+            let x = ((s * map.width as f64) as usize).min(map.width - 1);
+            let y = (((1.0 - t) * map.height as f64) as usize).min(map.height - 1);
+            match map.status[y * map.width + x] {
+                Status::Folded => ImagePoint::Folded,
+                _ => ImagePoint::Formed,
+            }
+        }
+        End::TotalReflection { element } => ImagePoint::TotalReflection(element),
+        End::PlateBehind => ImagePoint::PlateBehind,
+        End::MissedDisplay => ImagePoint::MissedDisplay,
+        End::TooManyInteractions => ImagePoint::TooManyInteractions,
+    }
+}

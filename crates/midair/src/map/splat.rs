@@ -1,0 +1,76 @@
+//! The paper's own method, kept for comparison: shoot many samples through each view pixel and keep what lands.
+
+use super::{Map, Status};
+use crate::transport::{Path, Setup};
+use rayon::prelude::*;
+
+/// A map by scattered samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Splat {
+    /// The map: each pixel holds the mean uv of the samples that landed in it; no error is bounded, so its
+    /// `error_bound` is infinite. A pixel that no sample hit is `Outside`: its holes look like that.
+    pub map: Map,
+    /// Samples traced.
+    pub rays: u64,
+}
+
+impl Splat {
+    /// Pixels that the exact map answers and the samples missed.
+    pub fn holes(&self, exact: &Map) -> usize {
+        let answered = |status: &Status| matches!(status, Status::Ok | Status::Folded);
+        exact
+            .status
+            .iter()
+            .zip(&self.map.status)
+            .filter(|(e, s)| answered(e) && !answered(s))
+            .count()
+    }
+}
+
+/// Shoots `spp` random samples through each of as many view pixels as the display has, from the viewpoint.
+///
+/// `progress` is called with a number of view rows whenever they are done.
+pub fn splat(setup: &Setup, spp: usize, progress: &(dyn Fn(usize) + Sync)) -> Splat {
+    let [width, height] = setup.resolution;
+    let threads = rayon::current_num_threads().min(height).max(1);
+    let sums = (0..threads)
+        .into_par_iter()
+        .map(|thread| {
+            let mut sums = vec![[0.0f64; 3]; width * height];
+            let mut random = fastrand::Rng::with_seed(thread as u64);
+            let mut path = Path::new();
+            for row in (thread..height).step_by(threads) {
+                for column in 0..width {
+                    for _ in 0..spp {
+                        let uv = [
+                            (column as f64 + random.f64()) / width as f64,
+                            ((height - 1 - row) as f64 + random.f64()) / height as f64,
+                        ];
+                        let Some([s, t]) = setup.transport(uv, &mut path).formed() else {
+                            continue;
+                        };
+                        let x = ((s * width as f64) as usize).min(width - 1);
+                        let y = (((1.0 - t) * height as f64) as usize).min(height - 1);
+                        let sum = &mut sums[y * width + x];
+                        *sum = [sum[0] + uv[0], sum[1] + uv[1], sum[2] + 1.0];
+                    }
+                }
+                progress(1);
+            }
+            sums
+        })
+        .reduce_with(|mut a, b| {
+            a.iter_mut().zip(b).for_each(|(a, b)| *a = [a[0] + b[0], a[1] + b[1], a[2] + b[2]]);
+            a
+        })
+        .unwrap_or_default();
+    let mut map = Map::unanswered(width, height);
+    map.error_bound = f64::INFINITY;
+    for ((uv, status), [u, v, count]) in map.uv.iter_mut().zip(&mut map.status).zip(sums) {
+        if count > 0.0 {
+            *uv = [u / count, v / count];
+            *status = Status::Ok;
+        }
+    }
+    Splat { map, rays: (width * height * spp) as u64 }
+}
