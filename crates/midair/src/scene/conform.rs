@@ -246,7 +246,7 @@ impl Conformance<'_> {
         let value = match node.value {
             Value::Integer(i) => i as f64,
             Value::Number(n) => n,
-            _ => return self.wrong_type(key, node),
+            _ => return self.wrong_number(key, node),
         };
         let what = key.name;
         if !value.is_finite() {
@@ -282,13 +282,29 @@ impl Conformance<'_> {
                 format!("`{}` is too {}: {i}", key.name, if i < least { "small" } else { "large" }),
                 format!("it lies between {least} and {most}"),
             ),
+            _ => self.wrong_number(key, node),
+        }
+    }
+
+    /// A value that is not of the key's kind.
+    fn wrong_type(&mut self, key: &Key, node: &Node) {
+        let found = node.value.describe();
+        self.wrong(key, node, format!("is {found} where it needs {}", wanted(&key.kind)));
+    }
+
+    /// An item of the key's list that is no number; of a key that is no list, the value itself.
+    fn wrong_number(&mut self, key: &Key, node: &Node) {
+        match key.kind {
+            Kind::Numbers(..) | Kind::Integers(..) | Kind::Rows(..) => {
+                let found = node.value.describe();
+                self.wrong(key, node, format!("holds {found}: it needs {}", wanted(&key.kind)));
+            }
             _ => self.wrong_type(key, node),
         }
     }
 
-    fn wrong_type(&mut self, key: &Key, node: &Node) {
-        let found = node.value.describe();
-        let message = format!("`{}` is {found} where it needs {}", key.name, wanted(&key.kind));
+    fn wrong(&mut self, key: &Key, node: &Node, what: String) {
+        let message = format!("`{}` {what}", key.name);
         let help = match &node.value {
             Value::Text(text) if numeric(&key.kind) => number_in_text(key, text),
             _ => format!("write {}: {}", example(key), in_sentence(key.about)),

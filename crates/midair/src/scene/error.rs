@@ -23,13 +23,13 @@ pub struct SceneError {
     pub help: String,
     /// The file's name and text.
     #[source_code]
-    text: NamedSource<Arc<str>>,
+    text: Arc<NamedSource<Arc<str>>>,
     /// The bytes to blame.
     #[label("here")]
     span: Option<SourceSpan>,
     /// What else is wrong with the same file.
     #[related]
-    pub others: Vec<SceneError>,
+    pub others: Box<[SceneError]>,
 }
 
 impl SceneError {
@@ -46,22 +46,21 @@ impl SceneError {
         faults.truncate(SHOWN);
         let mut faults = faults.into_iter();
         let mut first = faults.next()?;
-        first.others.extend(faults);
+        first.others = faults.collect();
         Some(first)
     }
 }
 
 /// A scene file's text, and where each of its keys stands.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct SceneText {
-    name: String,
-    text: Arc<str>,
+    text: Arc<NamedSource<Arc<str>>>,
     spans: BTreeMap<String, Range<usize>>,
 }
 
 impl SceneText {
     pub(super) fn new(name: &str, text: &str) -> Self {
-        Self { name: name.to_owned(), text: text.into(), spans: BTreeMap::new() }
+        Self { text: Arc::new(NamedSource::new(name, text.into())), spans: BTreeMap::new() }
     }
 
     pub(super) fn record(&mut self, key: String, span: Range<usize>) {
@@ -70,7 +69,7 @@ impl SceneText {
 
     /// The file's name as it was given.
     pub fn name(&self) -> &str {
-        &self.name
+        self.text.name()
     }
 
     /// Whether the file itself has this key, such as `plate.rotation`.
@@ -105,26 +104,27 @@ impl SceneText {
         message: impl Into<String>,
         help: impl Into<String>,
     ) -> SceneError {
+        let text = self.text.inner();
         let span = span.map(|s| {
-            let start = floor_char_boundary(&self.text, s.start);
-            start..floor_char_boundary(&self.text, s.end).max(start)
+            let start = floor_char_boundary(text, s.start);
+            start..floor_char_boundary(text, s.end).max(start)
         });
         let place = match &span {
             Some(span) => {
-                let before = &self.text[..span.start];
+                let before = &text[..span.start];
                 let line = before.bytes().filter(|&b| b == b'\n').count() + 1;
                 let column = before.rsplit('\n').next().map_or(0, |l| l.chars().count()) + 1;
-                format!("{}:{line}:{column}", self.name)
+                format!("{}:{line}:{column}", self.name())
             }
-            None => self.name.clone(),
+            None => self.name().to_owned(),
         };
         SceneError {
             place,
             message: message.into(),
             help: help.into(),
-            text: NamedSource::new(&self.name, Arc::clone(&self.text)),
+            text: Arc::clone(&self.text),
             span: span.map(SourceSpan::from),
-            others: Vec::new(),
+            others: Box::default(),
         }
     }
 }

@@ -38,7 +38,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<Vec<f64>>, String> {
 
 /// One number per pixel; `None` for a picture with colours.
 fn grey(picture: DynamicImage) -> Option<Vec<f64>> {
-    let equal = |[r, g, b]: [f64; 3]| (r == g && g == b).then_some(r);
+    let equal = |[r, g, b]: [f64; 3]| ((r == g && g == b) || r.is_nan()).then_some(r);
     match picture {
         DynamicImage::ImageLuma8(p) => Some(p.pixels().map(|p| f64::from(p[0]) / 255.0).collect()),
         DynamicImage::ImageLuma16(p) => {

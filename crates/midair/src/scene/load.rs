@@ -21,7 +21,7 @@ pub enum Asset {
 }
 
 /// A scene with the files that it names.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Loaded {
     /// The set-up.
     pub scene: Scene,

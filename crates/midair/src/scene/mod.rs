@@ -53,6 +53,8 @@ fn parse_with_places(
     file_name: &str,
     format: Format,
 ) -> Result<(Scene, SceneText), SceneError> {
+    // Some editors begin a file with a byte order mark.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut source = SceneText::new(file_name, text);
     let root = tree::parse(&source, text, format)?;
     let Value::Table(table) = &root.value else {

@@ -101,7 +101,7 @@ fn mistakes_are_named_with_line_and_remedy() {
         (with("[20, 20.0]", "[20]"), 6, &["1 numbers where it needs 2"], &["size = [50.0, 50.0]"]),
         (with("[64, 32]", "[64, 0]"), 12, &["too small"], &["between 1 and 32768"]),
         (with("[64, 32]", "[64, 32769]"), 12, &["too large"], &["32768"]),
-        (with("[64, 32]", "[64, 32.5]"), 12, &["whole number"], &[]),
+        (with("[64, 32]", "[64, 32.5]"), 12, &["`resolution` holds a number"], &["1024"]),
         (with("ior = 1.49", "ior = 0.9"), 16, &["too small"], &["between 1 and 5"]),
         (with("ior = 1.49", "ior = 6"), 16, &["too large"], &["between 1 and 5"]),
         (material("glass = \"BK8\""), 16, &["unknown glass `BK8`"], &["`BK7`", "cauchy"]),
@@ -140,7 +140,7 @@ fn mistakes_are_named_with_line_and_remedy() {
             &["depth of more than 1"],
         ),
         (with("name = \"Good\"", "max_interactions = 0"), 2, &["too small"], &["between 1"]),
-        (with("radius = 25.0", "radius = 25mm"), 15, &[], &["TOML"]),
+        (with("radius = 25.0", "radius = 2.5cm"), 15, &[], &["write `radius = 25.0`"]),
         (
             with("position = [0.0, 0.0, 800.0]", "position = 800 mm"),
             4,
@@ -210,6 +210,13 @@ fn the_span_is_the_offending_text() {
     assert_eq!(named.place, "a.json:2:11");
     assert_eq!(&json[named.span().unwrap()], "5");
     assert!(all.iter().any(|e| e.message.contains("`näme`")));
+}
+
+#[test]
+fn a_byte_order_mark_is_no_mistake() {
+    assert_eq!(toml(&format!("\u{feff}{GOOD}")).unwrap(), toml(GOOD).unwrap());
+    let json = parse(&format!("\u{feff}{JSON}"), "a.json", Format::Json).unwrap();
+    assert_eq!(json, parse(JSON, "a.json", Format::Json).unwrap());
 }
 
 #[test]
@@ -374,6 +381,106 @@ fn depth_and_size_do_not_overwhelm() {
     assert!(parse(&json, "a.json", Format::Json).is_err());
     let many: String = (0..50_000).map(|i| format!("k{i} = 1\n")).collect();
     assert!(toml(&many).unwrap_err().others.len() < 100);
+}
+
+/// The good scene with the ball replaced by the cow of the examples, or by another file.
+fn with_mesh(folder: &Path, file: &Path) -> PathBuf {
+    let shape = format!("kind = \"mesh\", file = '{}', scale = 40", file.display());
+    let path = folder.join("mesh.toml");
+    std::fs::write(&path, with("kind = \"sphere\", radius = 25.0", &shape)).unwrap();
+    path
+}
+
+#[test]
+fn a_mesh_comes_with_the_scene_in_millimetres() {
+    let folder = tempfile::tempdir().unwrap();
+    let spot = std::fs::canonicalize(scenes().join("meshes/spot.obj")).unwrap();
+    let path = with_mesh(folder.path(), &spot);
+    let loaded = load(&path).unwrap();
+    let Asset::Mesh(mesh) = &loaded.assets[0] else { panic!("no mesh") };
+    let [low, high] = mesh.bounds();
+    // The file's own height is 0.953646 + 0.736784.
+    assert!((high.y - low.y - 40.0 * 1.69043).abs() < 1e-9);
+    assert_eq!(mesh.normals.as_ref().unwrap().len(), mesh.positions.len());
+
+    // An eye in the cow's middle.
+    let text = std::fs::read_to_string(&path).unwrap().replace("800.0]", "12.0]");
+    std::fs::write(&path, text).unwrap();
+    let error = load(&path).unwrap_err();
+    assert!(error.message.contains("inside the element"), "{error}");
+}
+
+#[test]
+fn what_is_wrong_with_a_mesh_is_said_at_the_scene_s_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let spot = std::fs::read_to_string(scenes().join("meshes/spot.obj")).unwrap();
+    let cut = &spot[..spot.len() - 200];
+    std::fs::write(folder.path().join("cut.obj"), cut).unwrap();
+    let error = load(&with_mesh(folder.path(), Path::new("cut.obj"))).unwrap_err();
+    assert!(error.place.contains("mesh.toml:15:"), "{error}");
+    assert!(error.message.contains("cut.obj") && error.message.contains("face"), "{error}");
+
+    let flipped = spot.replacen("f ", "f 1 2 3\nf ", 1);
+    std::fs::write(folder.path().join("extra.obj"), flipped).unwrap();
+    let error = load(&with_mesh(folder.path(), Path::new("extra.obj"))).unwrap_err();
+    assert!(error.message.contains("face 1 (line"), "{error}");
+
+    let error = load(&with_mesh(folder.path(), Path::new("none.ply"))).unwrap_err();
+    assert!(error.message.contains("none.ply"), "{error}");
+}
+
+#[test]
+fn scene_files_that_cannot_be_read_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let missing = folder.path().join("missing.toml");
+    let error = load(&missing).unwrap_err();
+    assert_eq!(error.place, missing.display().to_string());
+    let binary = folder.path().join("binary.toml");
+    std::fs::write(&binary, b"name = 1\nname = \xff\n").unwrap();
+    let error = load(&binary).unwrap_err();
+    assert!(error.message.contains("line 2") && error.message.contains("UTF-8"), "{error}");
+    assert!(load(folder.path()).is_err());
+}
+
+/// Writes a picture and loads the good scene with a height-field of it.
+fn with_heights(picture: &image::DynamicImage, name: &str) -> Result<Loaded, SceneError> {
+    let folder = tempfile::tempdir().unwrap();
+    picture.save(folder.path().join(name)).unwrap();
+    let shape = format!("kind = \"height-field\", file = '{name}', size = [9, 9], amplitude = 2");
+    let text = with("kind = \"sphere\", radius = 25.0", &shape);
+    let path = folder.path().join("scene.toml");
+    std::fs::write(&path, text).unwrap();
+    load(&path)
+}
+
+#[test]
+fn heights_are_read_from_pictures() {
+    use image::{DynamicImage, ImageBuffer, Luma, Rgb};
+    let eight = ImageBuffer::from_fn(3, 2, |x, y| Luma([(100 * y + 50 * x) as u8]));
+    let sixteen = ImageBuffer::from_fn(3, 2, |x, y| Luma([(10_000 * y + 1_000 * x) as u16]));
+    let float = ImageBuffer::from_fn(3, 2, |x, y| Rgb([y as f32 * 2.0 - x as f32 * 0.25; 3]));
+    let expected = |f: &dyn Fn(f64, f64) -> f64| {
+        Asset::Heights(
+            (0..2).map(|y| (0..3).map(|x| f(f64::from(x), f64::from(y))).collect()).collect(),
+        )
+    };
+    let read = with_heights(&DynamicImage::ImageLuma8(eight), "a.png").unwrap();
+    assert_eq!(read.assets[0], expected(&|x, y| (100.0 * y + 50.0 * x) / 255.0));
+    let read = with_heights(&DynamicImage::ImageLuma16(sixteen), "a.png").unwrap();
+    assert_eq!(read.assets[0], expected(&|x, y| (1e4 * y + 1e3 * x) / 65535.0));
+    let read = with_heights(&DynamicImage::ImageRgb32F(float.clone()), "a.exr").unwrap();
+    assert_eq!(read.assets[0], expected(&|x, y| y * 2.0 - x * 0.25));
+
+    let colour = ImageBuffer::from_fn(2, 2, |x, _| Rgb([x as u8, 0, 0]));
+    let error = with_heights(&DynamicImage::ImageRgb8(colour), "a.png").unwrap_err();
+    assert!(error.message.contains("a.png") && error.message.contains("not grey"), "{error}");
+    let mut hole = float;
+    hole.put_pixel(2, 1, Rgb([f32::NAN; 3]));
+    let error = with_heights(&DynamicImage::ImageRgb32F(hole), "a.exr").unwrap_err();
+    assert!(error.message.contains("pixel [2, 1]"), "{error}");
+    let thin = ImageBuffer::from_pixel(5, 1, Luma([7u8]));
+    let error = with_heights(&DynamicImage::ImageLuma8(thin), "a.png").unwrap_err();
+    assert!(error.message.contains("5 x 1"), "{error}");
 }
 
 fn scenes() -> PathBuf {

@@ -74,11 +74,23 @@ pub(super) fn parse(source: &SceneText, text: &str, format: Format) -> Result<No
 
 fn toml_help(text: &str, span: Option<Range<usize>>) -> String {
     let start = span.map_or(0, |s| s.start).min(text.len());
-    let line = text[start_of_line(text, start)..].lines().next().unwrap_or("");
-    if let Some((key, value)) = line.split_once('=')
-        && let Some((number, unit)) = split_unit(value.split('#').next().unwrap_or("").trim())
+    // Most often the error is at a number with its unit.
+    let line_start = start_of_line(text, start);
+    let (key, from) = match text[line_start..start].rfind('=') {
+        Some(equals) => {
+            let key = text[line_start..line_start + equals].trim_end();
+            (
+                key.rsplit(|c: char| c.is_whitespace() || ",{".contains(c)).next(),
+                line_start + equals + 1,
+            )
+        }
+        None => (None, start),
+    };
+    let value = text[from..].split([',', '}', ']', '#', '\n', '\r']).next().unwrap_or("");
+    if let Some(key) = key
+        && let Some((number, unit)) = split_unit(value)
+        && !unit.is_empty()
     {
-        let key = key.trim();
         return match millimetres(unit) {
             Some(factor) => format!(
                 "lengths are plain numbers in millimetres: write `{key} = {:?}`",

@@ -114,7 +114,8 @@ pub fn read(
                         ),
                     ));
                 }
-                Some(p) if p.to_array().iter().any(|x| !(x.abs() <= MOST_COORDINATE)) => {
+                Some(p) if p.to_array().iter().all(|x| x.abs() <= MOST_COORDINATE) => {}
+                Some(p) => {
                     return Err(MeshError::new(
                         file,
                         format!(
@@ -127,7 +128,6 @@ pub fn read(
                         "coordinates must be finite numbers: repair the vertex and export again",
                     ));
                 }
-                Some(_) => {}
             }
         }
     }
