@@ -9,6 +9,7 @@
 //! counting a pixel's answers tells the folded ones.
 
 mod cell;
+mod dense;
 mod fill;
 mod newton;
 mod patch;

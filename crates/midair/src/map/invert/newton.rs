@@ -12,7 +12,8 @@ pub(super) struct Solution {
 /// Newton doubles the digits at each step, so a step this small leaves an error of about its square
 /// times the sheet's curvature: below 1e-12 for any curvature under 1e4.
 const STEP: f64 = 1e-8;
-const ITERATIONS: usize = 12;
+/// Newton steps enough from any start that leads somewhere.
+pub(super) const ITERATIONS: usize = 12;
 
 /// The solution that Newton's method finds from `start`, F continued along `path`, whose faces it brings up to date.
 pub(super) fn solve(
@@ -20,9 +21,10 @@ pub(super) fn solve(
     path: &mut [Step],
     st: [f64; 2],
     start: [f64; 2],
+    iterations: usize,
 ) -> Option<Solution> {
     let mut uv = start;
-    for _ in 0..ITERATIONS {
+    for _ in 0..iterations {
         let (at, jacobian) = setup.follow_with_jacobian(uv, path);
         let step = apply_inverse(jacobian, [st[0] - at[0], st[1] - at[1]]);
         let length = step[0].abs().max(step[1].abs());

@@ -1,7 +1,7 @@
 //! Solving pixels one by one, where a cell is cut by a border, folded, or small.
 
 use super::cell::{Cell, Sample};
-use super::newton::{apply_inverse, determinant, solve};
+use super::newton::{ITERATIONS, apply_inverse, determinant, solve};
 use crate::map::pixel_centre;
 use crate::transport::Setup;
 use std::collections::HashSet;
@@ -39,9 +39,18 @@ impl Raster {
 
     /// Bounds widened by a share of their size and a pixel, and cut to the display; `None` if nothing is left.
     pub fn clip(&self, bounds: [[f64; 2]; 2], share: f64) -> Option<[[f64; 2]; 2]> {
+        self.widen_by(bounds, share, 1.0)
+    }
+
+    /// Bounds widened by a share of their size, and cut to the display; `None` if nothing is left.
+    pub fn widen(&self, bounds: [[f64; 2]; 2], share: f64) -> Option<[[f64; 2]; 2]> {
+        self.widen_by(bounds, share, 0.0)
+    }
+
+    fn widen_by(&self, bounds: [[f64; 2]; 2], share: f64, pixels: f64) -> Option<[[f64; 2]; 2]> {
         let mut clipped = bounds;
         for axis in 0..2 {
-            let extra = share * (bounds[1][axis] - bounds[0][axis]) + 1.0 / self.size(axis);
+            let extra = share * (bounds[1][axis] - bounds[0][axis]) + pixels / self.size(axis);
             clipped[0][axis] = (bounds[0][axis] - extra).max(0.0);
             clipped[1][axis] = (bounds[1][axis] + extra).min(1.0);
             if !(clipped[0][axis] < clipped[1][axis]) {
@@ -49,6 +58,12 @@ impl Raster {
             }
         }
         Some(clipped)
+    }
+
+    /// Column and row of the pixel nearest to a place.
+    pub fn nearest(&self, [s, t]: [f64; 2]) -> (usize, usize) {
+        let index = |x: f64, n: usize| ((x * n as f64 - 0.5).round().max(0.0) as usize).min(n - 1);
+        (index(s, self.width), index(1.0 - t, self.height))
     }
 
     /// The columns and rows whose centres lie within a rectangle of st: first and one past the last.
@@ -134,7 +149,7 @@ impl Spread {
                 continue;
             }
             let st = pixel_centre(pixel.0, pixel.1, raster.width, raster.height);
-            let Some(solution) = solve(setup, &mut path, st, guess) else { continue };
+            let Some(solution) = solve(setup, &mut path, st, guess, ITERATIONS) else { continue };
             if determinant(solution.jacobian).signum() != self.sense {
                 continue;
             }

@@ -1,6 +1,7 @@
 //! Cutting the image into cells on which the inverse is known.
 
 use super::cell::{Cell, Sample};
+use super::dense::solve_densely;
 use super::patch::Patch;
 use super::pixels::{Point, Raster, solve_pixels};
 use super::survey::{CELLS, EMPTY, Survey, extend, sense};
@@ -38,6 +39,9 @@ const SPACING: f64 = 4.0;
 pub(super) fn plan(setup: &Setup, raster: Raster, tolerance: f64) -> Vec<Leaf> {
     let survey = Survey::take(setup);
     let planner = Planner { setup, raster, tolerance, border: border(&survey), survey };
+    if planner.is_creased() {
+        return solve_densely(setup, raster).into_iter().map(Leaf::Points).collect();
+    }
     let mut tasks = vec![Task::Block { i: 0, j: 0, size: CELLS }];
     let mut leaves = Vec::new();
     while !tasks.is_empty() {
@@ -84,6 +88,33 @@ fn border(survey: &Survey) -> Vec<bool> {
 }
 
 impl Planner<'_> {
+    /// Whether F is creased too densely for patches: seen through a smooth mesh, if patches fail on most of the cells
+    /// that are tried.
+    fn is_creased(&self) -> bool {
+        let meshes = self.setup.elements.iter().any(|e| e.shape.smooth_mesh().is_some());
+        if !meshes {
+            return false;
+        }
+        const PROBES: usize = 5;
+        let step = CELLS / (PROBES + 1);
+        let probes = (1..=PROBES).flat_map(|j| (1..=PROBES).map(move |i| (i * step, j * step)));
+        let (mut tried, mut failed) = (0, 0);
+        for (i, j) in probes {
+            let sample = self.survey.interior(i, j);
+            let seamless = sample.path.iter().any(|step| step.seamless);
+            if seamless
+                && self.survey.is_one_sheet(i, j, 1)
+                && self.survey.orientation(i, j, 1).is_some()
+                && let Some(bounds) = self.survey.bounds(i, j, 1)
+            {
+                tried += 1;
+                let fit = self.fit(sample, Survey::block(i, j, 1), bounds, 0.2);
+                failed += usize::from(matches!(fit, Fit::Failed));
+            }
+        }
+        2 * failed > tried
+    }
+
     fn process(&self, task: &Task) -> Outcome {
         match *task {
             Task::Block { i, j, size } => self.block(i, j, size),

@@ -1,0 +1,197 @@
+//! Inverting a sheet that is creased everywhere: seen through a mesh, F has a crease along each triangle's edge, so no
+//! polynomial holds over more than a few pixels, and each pixel is solved by itself.
+
+use super::cell::{Cell, Sample};
+use super::newton::{apply_inverse, solve};
+use super::pixels::{Point, Raster, SAME};
+use super::survey::{EMPTY, extend, sense};
+use crate::map::pixel_centre;
+use crate::transport::Setup;
+use rayon::prelude::*;
+
+/// Side of a cell in image pixels: with a sample at each corner, a bilinear guess within it is good enough for one
+/// Newton step to meet the bound mostly.
+const SIDE: f64 = 2.0;
+/// Rows of cells that one thread takes at a time.
+const BAND: usize = 8;
+
+/// A cell that is not smooth is quartered this often: to half a pixel.
+const FINE: usize = 2;
+/// And while its light still spreads over more than two pixels of the display, this often.
+const FINEST: usize = 6;
+/// Newton steps: from a guess that is good to a fraction of a cell three do, and over creases five.
+const FEW: usize = 6;
+
+/// The answers of all pixels that a grid of cells over the whole image reaches.
+pub(super) fn solve_densely(setup: &Setup, raster: Raster) -> Vec<Vec<Point>> {
+    let columns = (raster.width as f64 / SIDE).ceil() as usize;
+    let rows = (raster.height as f64 / SIDE).ceil() as usize;
+    let corner = |i: usize, j: usize| [i as f64 / columns as f64, j as f64 / rows as f64];
+    (0..rows.div_ceil(BAND))
+        .into_par_iter()
+        .map(|band| {
+            let sample_row = |j: usize| -> Vec<Sample> {
+                (0..=columns).map(|i| Sample::take(setup, corner(i, j))).collect()
+            };
+            let mut points = Vec::new();
+            let first = band * BAND;
+            let mut below = sample_row(first);
+            for j in first..(first + BAND).min(rows) {
+                let above = sample_row(j + 1);
+                for i in 0..columns {
+                    let cell = Cell { low: corner(i, j), high: corner(i + 1, j + 1) };
+                    let corners = [&below[i], &below[i + 1], &above[i], &above[i + 1]];
+                    solve_cell(setup, raster, cell, corners, 0, &mut points);
+                }
+                below = above;
+            }
+            points
+        })
+        .collect()
+}
+
+fn solve_cell(
+    setup: &Setup,
+    raster: Raster,
+    cell: Cell,
+    corners: [&Sample; 4],
+    depth: usize,
+    points: &mut Vec<Point>,
+) {
+    let mut bounds = EMPTY;
+    corners.iter().filter_map(|c| c.arrives()).for_each(|(st, _)| extend(&mut bounds, st));
+    // An empty one, too, is nowhere on the display.
+    if raster.clip(bounds, 1.0).is_none() {
+        return;
+    }
+    if let Some(st) = smooth(corners) {
+        return solve_smooth(setup, raster, cell, corners[0], st, points);
+    }
+    let spread = (0..2).any(|axis| (bounds[1][axis] - bounds[0][axis]) * raster.size(axis) > 2.0);
+    if depth < FINE || (spread && depth < FINEST) {
+        let middle =
+            |a: usize, b: usize| [0, 1].map(|k| 0.5 * (corners[a].uv[k] + corners[b].uv[k]));
+        let [bottom, left, centre, right, top] =
+            [middle(0, 1), middle(0, 2), middle(0, 3), middle(1, 3), middle(2, 3)]
+                .map(|uv| Sample::take(setup, uv));
+        let [a, b, c, d] = corners;
+        let parts = [
+            [a, &bottom, &left, &centre],
+            [&bottom, b, &centre, &right],
+            [&left, &centre, c, &top],
+            [&centre, &right, &top, d],
+        ];
+        for (quarter, corners) in cell.quarters().into_iter().zip(parts) {
+            solve_cell(setup, raster, quarter, corners, depth + 1, points);
+        }
+        return;
+    }
+    solve_cut(setup, raster, cell, corners, points);
+}
+
+/// A cell cut by a border, a jump or a fold, much smaller than a pixel: the pixel nearest to each corner's light, if its
+/// image point lies within.
+fn solve_cut(
+    setup: &Setup,
+    raster: Raster,
+    cell: Cell,
+    corners: [&Sample; 4],
+    points: &mut Vec<Point>,
+) {
+    let known = points.len();
+    for corner in corners {
+        let Some((st, through_plate)) = corner.arrives() else { continue };
+        let (column, row) = raster.nearest(st);
+        let target = pixel_centre(column, row, raster.width, raster.height);
+        let mut path = corner.path.clone();
+        let Some(solution) = solve(setup, &mut path, target, corner.uv, FEW) else { continue };
+        let uv = solution.uv;
+        let again = |p: &Point| {
+            (p.column as usize, p.row as usize) == (column, row)
+                && (p.uv[0] - uv[0]).hypot(p.uv[1] - uv[1]) < SAME
+        };
+        if !cell.holds(uv, 1e-9) || points[known..].iter().any(again) {
+            continue;
+        }
+        let found = Sample::take(setup, uv);
+        if found.same_sheet(corner) && found.reaches(target) {
+            let (column, row) = (column as u32, row as u32);
+            points.push(Point { column, row, uv, blocked: !through_plate });
+        }
+    }
+}
+
+/// The corners' places on the display, if they lie on one sheet without a jump or a fold between them.
+fn smooth(corners: [&Sample; 4]) -> Option<[[f64; 2]; 4]> {
+    if !corners[1..].iter().all(|c| c.same_sheet(corners[0])) {
+        return None;
+    }
+    let mut st = [[0.0; 2]; 4];
+    for (st, corner) in st.iter_mut().zip(corners) {
+        *st = corner.arrives()?.0;
+    }
+    let [a, b, c, d] = st;
+    let length = |p: [f64; 2], q: [f64; 2]| (q[0] - p[0]).hypot(q[1] - p[1]);
+    // Opposite sides of the cell's image are alike: a jump would lengthen one and not the other.
+    let alike = |p: f64, q: f64| p < 2.0 * q && q < 2.0 * p;
+    (sense(st).is_some() && alike(length(a, b), length(c, d)) && alike(length(a, c), length(b, d)))
+        .then_some(st)
+}
+
+fn solve_smooth(
+    setup: &Setup,
+    raster: Raster,
+    cell: Cell,
+    corner: &Sample,
+    st: [[f64; 2]; 4],
+    points: &mut Vec<Point>,
+) {
+    let mut bounds = EMPTY;
+    st.iter().for_each(|&st| extend(&mut bounds, st));
+    // Creases bend the sides of the cell's image by a fraction of it.
+    let Some(rect) = raster.widen(bounds, 0.1) else { return };
+    let [columns, rows] = raster.pixels_in(rect);
+    if columns.is_empty() || rows.is_empty() {
+        return;
+    }
+    let Some((_, through_plate)) = corner.arrives() else { return };
+    let mut path = corner.path.clone();
+    for row in rows {
+        for column in columns.clone() {
+            let target = pixel_centre(column, row, raster.width, raster.height);
+            let Some(share) = inverse_bilinear(st, target) else { continue };
+            // A guess errs by a fraction of a cell.
+            if share.iter().any(|s| !(-0.3..=1.3).contains(s)) {
+                continue;
+            }
+            let guess = [0, 1]
+                .map(|axis| cell.low[axis] + share[axis] * (cell.high[axis] - cell.low[axis]));
+            let Some(solution) = solve(setup, &mut path, target, guess, FEW) else { continue };
+            if cell.holds(solution.uv, 1e-9) {
+                points.push(Point {
+                    column: column as u32,
+                    row: row as u32,
+                    uv: solution.uv,
+                    blocked: !through_plate,
+                });
+            }
+        }
+    }
+}
+
+/// Where a point lies between four corners (lower left, lower right, upper left, upper right), as shares from the left
+/// and from below: two Newton steps from the affine guess.
+fn inverse_bilinear([a, b, c, d]: [[f64; 2]; 4], p: [f64; 2]) -> Option<[f64; 2]> {
+    let along = [b[0] - a[0], b[1] - a[1]];
+    let up = [c[0] - a[0], c[1] - a[1]];
+    let twist = [d[0] - c[0] - along[0], d[1] - c[1] - along[1]];
+    let mut share = [0.5; 2];
+    for _ in 0..2 {
+        let [x, y] = share;
+        let at = [0, 1].map(|k| a[k] + x * along[k] + y * up[k] + x * y * twist[k]);
+        let jacobian = [0, 1].map(|k| [along[k] + y * twist[k], up[k] + x * twist[k]]);
+        let step = apply_inverse(jacobian, [p[0] - at[0], p[1] - at[1]]);
+        share = [x + step[0], y + step[1]];
+    }
+    (share[0].is_finite() && share[1].is_finite()).then_some(share)
+}
