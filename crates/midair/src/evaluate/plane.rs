@@ -4,7 +4,7 @@ use crate::media::Picture;
 
 /// One channel of a picture: row-major, row 0 at the top.
 ///
-/// Values are display-encoded (the sRGB transfer function, IEC 61966-2-1), black 0 and white 1,
+/// Values are display-encoded by the sRGB transfer function, IEC 61966-2-1) but for [`Plane::luminance`], black 0 and white 1,
 /// not rounded to 8 bits: what an 8-bit PNG holds, divided by 255, before its rounding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plane {
@@ -42,6 +42,16 @@ impl Plane {
         Self { width: picture.width, height: picture.height, values: values.collect() }
     }
 
+    /// Relative luminance in linear light (Rec. 709 weights), not clamped: for measuring where
+    /// lines are, as the encoding would widen a pixel's partly covered edge.
+    pub fn luminance(picture: &Picture) -> Self {
+        let values = picture.pixels.iter().map(|pixel| {
+            let light: f32 = LUMA.iter().zip(pixel).map(|(weight, light)| weight * light).sum();
+            if light.is_finite() { light } else { 0.0 }
+        });
+        Self { width: picture.width, height: picture.height, values: values.collect() }
+    }
+
     /// The sRGB-encoded red, green and blue channels, over black, clamped to \[0, 1\].
     pub fn channels(picture: &Picture) -> [Self; 3] {
         [0, 1, 2].map(|channel| Self {
@@ -49,6 +59,12 @@ impl Plane {
             height: picture.height,
             values: picture.pixels.iter().map(|pixel| srgb_encoded(pixel[channel])).collect(),
         })
+    }
+
+    /// White less every value: dark lines become bright ones.
+    pub fn inverted(&self) -> Self {
+        let values = self.values.iter().map(|value| 1.0 - value).collect();
+        Self { width: self.width, height: self.height, values }
     }
 
     /// The value at a pixel; panics outside the plane.
@@ -84,6 +100,12 @@ mod tests {
         assert!((luma(1.0, 1.0, 0.0) - 0.9278).abs() < 1e-6, "yellow");
         assert!((luma(0.0, 0.0, 1.0) - 0.0722).abs() < 1e-6, "blue");
         assert_eq!(luma(-1.0, f32::NAN, 0.0), 0.0);
+    }
+
+    #[test]
+    fn luminance_is_linear() {
+        let picture = Picture::filled(1, 1, [2.0, 0.5, 0.0, 1.0]);
+        assert!((Plane::luminance(&picture).values[0] - (0.4252 + 0.3576)).abs() < 1e-6);
     }
 
     #[test]
