@@ -1,0 +1,177 @@
+//! Every intersection at full resolution, from the centres of its two lines.
+
+use rayon::prelude::*;
+
+use super::super::Plane;
+use super::curve::Curve;
+use super::detection::{Lattice, Missing};
+use super::graph::{Node, distance};
+use super::ordering::{Piece, Placed};
+use super::refinement;
+
+/// What a measurement at full resolution starts from.
+pub(super) struct Measurement<'a> {
+    pub picture: &'a Plane,
+    pub nodes: &'a [Node],
+    /// Full-resolution pixels to a pixel of the search.
+    pub scale: f64,
+    /// The search's sigma, in its pixels.
+    pub sigma: f64,
+}
+
+/// The slots of an ordered node's arms ([`Placed::arms`]).
+const RIGHT: usize = 0;
+const DOWN: usize = 1;
+
+/// Measured centres of one line: between crossing i - 1 and crossing i at index i, so that 0 and the
+/// last are its free ends. Empty where the line was not traced.
+type Line = Vec<Vec<[f64; 2]>>;
+
+/// The centres between two crossings.
+type Segment<'a> = &'a [[f64; 2]];
+
+impl Measurement<'_> {
+    /// The lattice of a piece that spans `lines` by `lines` cells.
+    pub fn lattice(&self, piece: &Piece, lines: usize) -> Lattice {
+        let cell = |column: usize, row: usize| piece.cells.get(&(column, row));
+        let all: Vec<&Placed> = piece.cells.values().collect();
+        let width = self.line_width(&all);
+        let line = |index: usize, slot: usize| -> Line {
+            let along = |at: usize| if slot == RIGHT { cell(at, index) } else { cell(index, at) };
+            (0..=lines).map(|at| self.segment(at, slot, lines, width, &along)).collect()
+        };
+        let rows: Vec<Line> = (0..lines).into_par_iter().map(|at| line(at, RIGHT)).collect();
+        let columns: Vec<Line> = (0..lines).into_par_iter().map(|at| line(at, DOWN)).collect();
+        let intersections = (0..lines * lines)
+            .into_par_iter()
+            .map(|at| {
+                let (column, row) = (at % lines, at / lines);
+                let placed = cell(column, row).ok_or(Missing::NotSeen)?;
+                self.intersection(placed, (&rows[row], column), (&columns[column], row), width)
+            })
+            .collect();
+        Lattice { lines, intersections, line_width: width }
+    }
+
+    /// The typical line's width: the median over crossings.
+    fn line_width(&self, placed: &[&Placed]) -> f64 {
+        let reach = 4.0 * self.sigma * self.scale;
+        let mut widths: Vec<f64> = placed
+            .par_iter()
+            .filter_map(|cell| {
+                let arm = cell
+                    .arms
+                    .iter()
+                    .flatten()
+                    .find(|&&arm| self.nodes[cell.node].arms[arm].reached.is_some())?;
+                let stations = self.stations(cell.node, *arm, reach);
+                // Ten profiles across one line average enough.
+                let apart = stations.len().div_ceil(10).max(1);
+                let stations: Vec<_> = stations.into_iter().step_by(apart).collect();
+                refinement::line_width(self.picture, &stations, reach)
+            })
+            .collect();
+        if widths.is_empty() {
+            return 2.0 * self.sigma * self.scale;
+        }
+        let middle = widths.len() / 2;
+        *widths.select_nth_unstable_by(middle, f64::total_cmp).1
+    }
+
+    /// Where an arm is measured: `clear` of the crossings at its ends.
+    fn stations(&self, node: usize, arm: usize, clear: f64) -> refinement::Stations {
+        let node = &self.nodes[node];
+        let arm = &node.arms[arm];
+        let (Some(&first), Some(&last)) = (arm.trace.first(), arm.trace.last()) else {
+            return Vec::new();
+        };
+        let traced: f64 = arm.trace.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
+        let to_first = distance(node.place, first);
+        let length = match arm.reached {
+            Some(other) => to_first + traced + distance(last, self.nodes[other].place),
+            None => to_first + traced,
+        };
+        let length = self.scale * length;
+        let to = match arm.reached {
+            Some(_) => length - clear.min(0.4 * length),
+            // The end of a line is rounded off by blur.
+            None => length - 3.0 * self.sigma * self.scale,
+        };
+        // Close crossings leave little between them: measure the middle fifth at least.
+        refinement::stations(node.place, &arm.trace, self.scale, [clear.min(0.4 * length), to])
+    }
+
+    /// The centres between the crossings `at - 1` and `at` of a line; beyond its ends, those of the free
+    /// arm.
+    fn segment<'p>(
+        &self,
+        at: usize,
+        slot: usize,
+        lines: usize,
+        width: f64,
+        along: &impl Fn(usize) -> Option<&'p Placed>,
+    ) -> Vec<[f64; 2]> {
+        let arm_of = |placed: Option<&'p Placed>, slot: usize| {
+            let placed = placed?;
+            Some((placed.node, placed.arms[slot]?))
+        };
+        let (before, after) =
+            (at.checked_sub(1).and_then(along), (at < lines).then(|| along(at)).flatten());
+        let leads = |from: Option<&'p Placed>, slot: usize, to: Option<&'p Placed>| {
+            let (node, arm) = arm_of(from, slot)?;
+            // Only what leads to the next crossing is between them; beyond the last, what leads
+            // nowhere.
+            (self.nodes[node].arms[arm].reached == to.map(|to| to.node)).then_some((node, arm))
+        };
+        let opposite = (slot + 2) % 4;
+        let found = leads(before, slot, after).or_else(|| leads(after, opposite, before));
+        let Some((node, arm)) = found else { return Vec::new() };
+        // Beyond this the crossing line and its blur do not reach into the window across this one,
+        // even when they cross at 60 degrees.
+        let clear = 1.5 * width + 1.5;
+        // The smoothing that loses least to noise has the line's own profile (matched filter).
+        let sigma = (0.42 * width).max(1.0);
+        self.stations(node, arm, clear)
+            .into_iter()
+            .filter_map(|station| refinement::centre(self.picture, station, sigma))
+            .collect()
+    }
+
+    fn intersection(
+        &self,
+        placed: &Placed,
+        (row, column): (&Line, usize),
+        (other, at): (&Line, usize),
+        width: f64,
+    ) -> Result<[f64; 2], Missing> {
+        let place = self.nodes[placed.node].place;
+        let origin = [self.scale * place[0], self.scale * place[1]];
+        let curve = |line: &Line, at: usize| {
+            let (before, after) = around(line, at);
+            Curve::through(origin, &before, &after).ok_or(Missing::LineTooShort)
+        };
+        let (row, column) = (curve(row, column)?, curve(other, at)?);
+        // A line that is whole is measured to a fraction of its width.
+        if row.residual.max(column.residual) > 0.25 * width + 0.25 {
+            return Err(Missing::Broken);
+        }
+        // A third of a pixel, at two standard errors: what is less certain is no measurement.
+        if row.error.hypot(column.error) > 0.15 {
+            return Err(Missing::LineTooShort);
+        }
+        let found = row.meet(&column).ok_or(Missing::Broken)?;
+        // The search sees a crossing to within about its sigma.
+        if distance(found, origin) > 3.0 * self.sigma * self.scale {
+            return Err(Missing::Broken);
+        }
+        Ok(found)
+    }
+}
+
+/// The centres on both sides of crossing `at`, nearest segment first, as far as the line is whole.
+fn around(line: &Line, at: usize) -> (Vec<Segment<'_>>, Vec<Segment<'_>>) {
+    let whole = |segment: &&Vec<[f64; 2]>| !segment.is_empty();
+    let before = line[..=at].iter().rev().take_while(whole).map(Vec::as_slice).collect();
+    let after = line[at + 1..].iter().take_while(whole).map(Vec::as_slice).collect();
+    (before, after)
+}
