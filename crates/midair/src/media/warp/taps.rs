@@ -1,0 +1,212 @@
+//! What of a warp depends on the map alone.
+
+use super::Filter;
+use crate::map::Map;
+use crate::media::interpolate::cubic_weights;
+use crate::media::resample::Footprint;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Bits of a bilinear fraction and of every weight.
+pub(super) const WEIGHT_BITS: u32 = 14;
+/// One, as a weight.
+pub(super) const ONE: i32 = 1 << WEIGHT_BITS;
+/// Steps of a cubic sample's fraction: 1/1024 px moves a sample by at most 255 * 1.25 / 2048, 0.16 codes.
+const CUBIC_STEPS: usize = 1024;
+
+/// One sample of the source: the first pixel that it needs, and how far on it lies.
+///
+/// For bilinear sampling the first of 2 x 2 pixels, and 14-bit fractions. For cubic sampling the first of 4 x 4,
+/// and indices into [`CubicTables`].
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Tap {
+    pub(super) pixel: u32,
+    pub(super) x: u16,
+    pub(super) y: u16,
+}
+
+/// Every output pixel's samples, and which pixels have any.
+#[derive(Clone, Debug)]
+pub(super) struct Plan {
+    taps: Vec<Tap>,
+    /// Where each pixel's samples start, if any pixel has more than one.
+    starts: Option<Vec<u32>>,
+    /// Covered runs of columns, row after row, and where each row's start.
+    spans: Vec<Range<u32>>,
+    row_spans: Vec<usize>,
+}
+
+impl Plan {
+    pub(super) fn new(map: &Map, source: [usize; 2], filter: Filter) -> Self {
+        let rows: Vec<(Vec<Tap>, Vec<u32>)> = (0..map.height)
+            .into_par_iter()
+            .map(|row| {
+                let (mut taps, mut counts) = (Vec::with_capacity(map.width), Vec::new());
+                for column in 0..map.width {
+                    let before = taps.len();
+                    match filter {
+                        Filter::Bilinear => {
+                            let [u, v] = map.uv[row * map.width + column];
+                            if u.is_finite() && v.is_finite() {
+                                taps.push(bilinear_tap([u, v], source));
+                            }
+                        }
+                        Filter::Sharp => {
+                            if let Some(footprint) = Footprint::new(map, source, column, row) {
+                                taps.extend(footprint.samples().map(|at| cubic_tap(at, source)));
+                            }
+                        }
+                    }
+                    counts.push((taps.len() - before) as u32);
+                }
+                (taps, counts)
+            })
+            .collect();
+        let single = rows.iter().all(|(_, counts)| counts.iter().all(|&count| count <= 1));
+        let mut plan =
+            Self { taps: Vec::new(), starts: None, spans: Vec::new(), row_spans: vec![0] };
+        let mut starts = vec![0u32];
+        for (taps, counts) in rows {
+            let mut taps = taps.into_iter();
+            for (column, &count) in counts.iter().enumerate() {
+                if count > 0 {
+                    let open = plan.spans.len() > plan.row_spans[plan.row_spans.len() - 1];
+                    match plan.spans.last_mut() {
+                        Some(span) if open && span.end == column as u32 => span.end += 1,
+                        _ => plan.spans.push(column as u32..column as u32 + 1),
+                    }
+                }
+                if single {
+                    // A place for each pixel, so that its number is its index.
+                    plan.taps.push(if count > 0 {
+                        taps.next().unwrap_or_default()
+                    } else {
+                        Tap::default()
+                    });
+                } else {
+                    plan.taps.extend(taps.by_ref().take(count as usize));
+                    starts.push(plan.taps.len() as u32);
+                }
+            }
+            plan.row_spans.push(plan.spans.len());
+        }
+        if !single {
+            plan.starts = Some(starts);
+        }
+        plan
+    }
+
+    /// The covered runs of columns in a row.
+    pub(super) fn spans(&self, row: usize) -> impl Iterator<Item = Range<usize>> {
+        let spans = &self.spans[self.row_spans[row]..self.row_spans[row + 1]];
+        spans.iter().map(|span| span.start as usize..span.end as usize)
+    }
+
+    /// The samples of pixels that have one each.
+    pub(super) fn taps(&self, pixels: Range<usize>) -> &[Tap] {
+        &self.taps[pixels]
+    }
+
+    /// The samples of one pixel.
+    #[inline]
+    pub(super) fn samples(&self, pixel: usize) -> &[Tap] {
+        match &self.starts {
+            None => &self.taps[pixel..pixel + 1],
+            Some(starts) => &self.taps[starts[pixel] as usize..starts[pixel + 1] as usize],
+        }
+    }
+}
+
+/// The first of `span` neighbouring pixels and the way from the pixel below to the coordinate.
+fn split(coordinate: f64, size: usize, span: usize) -> (usize, f64) {
+    let x = coordinate.clamp(0.0, (size - 1) as f64);
+    let below = (x as usize).min(size.saturating_sub(span));
+    (below, x - below as f64)
+}
+
+fn bilinear_tap([u, v]: [f64; 2], source: [usize; 2]) -> Tap {
+    let (column, fx) = split(u * source[0] as f64 - 0.5, source[0], 2);
+    let (row, fy) = split((1.0 - v) * source[1] as f64 - 0.5, source[1], 2);
+    let fixed = |fraction: f64| (fraction * f64::from(ONE)).round() as u16;
+    Tap { pixel: (row * source[0] + column) as u32, x: fixed(fx), y: fixed(fy) }
+}
+
+fn cubic_tap([x, y]: [f64; 2], source: [usize; 2]) -> Tap {
+    let (first_column, x) = cubic_axis(x, source[0]);
+    let (first_row, y) = cubic_axis(y, source[1]);
+    Tap { pixel: (first_row * source[0] + first_column) as u32, x, y }
+}
+
+/// The first of four pixels and the table row that holds their weights.
+fn cubic_axis(coordinate: f64, size: usize) -> (usize, u16) {
+    let (below, fraction) = split(coordinate, size, 2);
+    let step = (fraction * CUBIC_STEPS as f64).round() as usize;
+    let (edge, first) = if size < 4 {
+        // Too few pixels for four taps: the table is made for this size.
+        (below, 0)
+    } else if below == 0 {
+        (1, 0)
+    } else if below + 2 == size {
+        (2, size - 4)
+    } else {
+        (0, below - 1)
+    };
+    (first, (edge * (CUBIC_STEPS + 1) + step) as u16)
+}
+
+/// Weights of four pixels in a row (or column) by where among them the sample lies: three parts of 1025 rows,
+/// for the interior and for the first and the last gap of the source, where the edge goes on.
+#[derive(Clone, Debug)]
+pub(super) struct CubicTables {
+    pub(super) x: Vec<[i16; 4]>,
+    pub(super) y: Vec<[i16; 4]>,
+}
+
+impl CubicTables {
+    pub(super) fn new(source: [usize; 2]) -> Self {
+        let [x, y] = source.map(|size| {
+            (0..3 * (CUBIC_STEPS + 1))
+                .map(|row| cubic_row(row / (CUBIC_STEPS + 1), row % (CUBIC_STEPS + 1), size))
+                .collect()
+        });
+        Self { x, y }
+    }
+}
+
+fn cubic_row(edge: usize, step: usize, size: usize) -> [i16; 4] {
+    let w = cubic_weights(step as f32 / CUBIC_STEPS as f32);
+    // Where the four taps fall among the four pixels that are read.
+    let first = if size < 4 { edge as isize - 1 } else { [0, -1, 1][edge] };
+    let last = size.min(4) as isize - 1;
+    let mut exact = [0.0f32; 4];
+    for (i, weight) in w.iter().enumerate() {
+        exact[(first + i as isize).clamp(0, last) as usize] += weight;
+    }
+    let mut fixed = exact.map(|weight| (weight * ONE as f32).round() as i16);
+    // They sum to one exactly, so that a constant stays constant.
+    let excess = fixed.iter().map(|&w| i32::from(w)).sum::<i32>() - ONE;
+    let largest = (0..4).max_by_key(|&i| fixed[i]).unwrap_or(0);
+    fixed[largest] -= excess as i16;
+    fixed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cubic_rows_sum_to_one_and_hit_the_pixels() {
+        for size in [1, 2, 3, 4, 9] {
+            let tables = CubicTables::new([size, 50]);
+            for place in 0..size {
+                let (first, row) = cubic_axis(place as f64, size);
+                let weights = tables.x[usize::from(row)];
+                let mut expected = [0; 4];
+                expected[place - first] = ONE as i16;
+                assert_eq!(weights, expected, "pixel {place} of {size}");
+            }
+            let sums = tables.x.iter().map(|row| row.iter().map(|&w| i32::from(w)).sum::<i32>());
+            assert!(sums.into_iter().all(|sum| sum == ONE));
+        }
+    }
+}
