@@ -42,8 +42,8 @@ pub(crate) struct Footprint {
     centre: [f64; 2],
     across: [f64; 2],
     down: [f64; 2],
-    pub(crate) n_across: usize,
-    pub(crate) n_down: usize,
+    n_across: usize,
+    n_down: usize,
 }
 
 impl Footprint {
@@ -59,6 +59,12 @@ impl Footprint {
         let (down, n_down) = footprint_side([du * width, -dv * height]);
         let centre = [u * width - 0.5, (1.0 - v) * height - 0.5];
         Some(Self { centre, across, down, n_across, n_down })
+    }
+
+    /// How many samples to average.
+    #[inline]
+    pub(crate) fn count(&self) -> usize {
+        self.n_across * self.n_down
     }
 
     /// The places at which to sample the picture.
@@ -87,7 +93,7 @@ fn display_pixel(
     let Some(footprint) = Footprint::new(map, size, column, row) else {
         return [0.0; 4];
     };
-    let count = footprint.n_across * footprint.n_down;
+    let count = footprint.count();
     if count == 1 {
         return sampler.cubic(footprint.centre[0], footprint.centre[1]);
     }

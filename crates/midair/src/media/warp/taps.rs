@@ -38,62 +38,92 @@ pub(super) struct Plan {
 
 impl Plan {
     pub(super) fn new(map: &Map, source: [usize; 2], filter: Filter) -> Self {
-        let rows: Vec<(Vec<Tap>, Vec<u32>)> = (0..map.height)
-            .into_par_iter()
-            .map(|row| {
-                let (mut taps, mut counts) = (Vec::with_capacity(map.width), Vec::new());
-                for column in 0..map.width {
-                    let before = taps.len();
-                    match filter {
-                        Filter::Bilinear => {
-                            let [u, v] = map.uv[row * map.width + column];
-                            if u.is_finite() && v.is_finite() {
-                                taps.push(bilinear_tap([u, v], source));
-                            }
-                        }
-                        Filter::Sharp => {
-                            if let Some(footprint) = Footprint::new(map, source, column, row) {
-                                taps.extend(footprint.samples().map(|at| cubic_tap(at, source)));
-                            }
-                        }
-                    }
-                    counts.push((taps.len() - before) as u32);
-                }
-                (taps, counts)
-            })
-            .collect();
-        let single = rows.iter().all(|(_, counts)| counts.iter().all(|&count| count <= 1));
-        let mut plan =
-            Self { taps: Vec::new(), starts: None, spans: Vec::new(), row_spans: vec![0] };
-        let mut starts = vec![0u32];
-        for (taps, counts) in rows {
-            let mut taps = taps.into_iter();
-            for (column, &count) in counts.iter().enumerate() {
-                if count > 0 {
-                    let open = plan.spans.len() > plan.row_spans[plan.row_spans.len() - 1];
-                    match plan.spans.last_mut() {
-                        Some(span) if open && span.end == column as u32 => span.end += 1,
-                        _ => plan.spans.push(column as u32..column as u32 + 1),
-                    }
-                }
+        match filter {
+            Filter::Bilinear => Self::single(map, |column, row| {
+                let [u, v] = map.uv[row * map.width + column];
+                (u.is_finite() && v.is_finite()).then(|| bilinear_tap([u, v], source))
+            }),
+            Filter::Sharp => {
+                let footprint =
+                    |column: usize, row: usize| Footprint::new(map, source, column, row);
+                let single = (0..map.height).into_par_iter().all(|row| {
+                    (0..map.width)
+                        .all(|column| footprint(column, row).is_none_or(|f| f.count() == 1))
+                });
                 if single {
-                    // A place for each pixel, so that its number is its index.
-                    plan.taps.push(if count > 0 {
-                        taps.next().unwrap_or_default()
-                    } else {
-                        Tap::default()
-                    });
+                    Self::single(map, |column, row| {
+                        let mut samples = footprint(column, row)?.samples();
+                        samples.next().map(|at| cubic_tap(at, source))
+                    })
                 } else {
-                    plan.taps.extend(taps.by_ref().take(count as usize));
-                    starts.push(plan.taps.len() as u32);
+                    Self::several(map, source, footprint)
                 }
             }
-            plan.row_spans.push(plan.spans.len());
         }
-        if !single {
-            plan.starts = Some(starts);
+    }
+
+    /// Each pixel has one sample or none; a pixel's number is its sample's index.
+    fn single(map: &Map, tap: impl Fn(usize, usize) -> Option<Tap> + Sync) -> Self {
+        let mut taps = vec![Tap::default(); map.width * map.height];
+        let spans = taps
+            .par_chunks_mut(map.width.max(1))
+            .enumerate()
+            .map(|(row, line)| {
+                let mut spans = Vec::new();
+                for (column, target) in line.iter_mut().enumerate() {
+                    if let Some(tap) = tap(column, row) {
+                        *target = tap;
+                        extend_spans(&mut spans, column as u32);
+                    }
+                }
+                spans
+            })
+            .collect();
+        Self::with_spans(taps, None, spans)
+    }
+
+    /// Some pixels have several samples: their places are kept.
+    fn several(
+        map: &Map,
+        source: [usize; 2],
+        footprint: impl Fn(usize, usize) -> Option<Footprint> + Sync,
+    ) -> Self {
+        let rows: Vec<_> = (0..map.height)
+            .into_par_iter()
+            .map(|row| {
+                let mut taps = Vec::with_capacity(map.width);
+                let mut ends = Vec::with_capacity(map.width);
+                let mut spans = Vec::new();
+                for column in 0..map.width {
+                    if let Some(footprint) = footprint(column, row) {
+                        taps.extend(footprint.samples().map(|at| cubic_tap(at, source)));
+                        extend_spans(&mut spans, column as u32);
+                    }
+                    ends.push(taps.len() as u32);
+                }
+                (taps, ends, spans)
+            })
+            .collect();
+        let mut taps = Vec::with_capacity(rows.iter().map(|row| row.0.len()).sum());
+        let mut starts = Vec::with_capacity(map.width * map.height + 1);
+        starts.push(0);
+        let mut spans = Vec::with_capacity(rows.len());
+        for (row_taps, ends, row_spans) in rows {
+            let before = taps.len() as u32;
+            taps.extend_from_slice(&row_taps);
+            starts.extend(ends.iter().map(|end| before + end));
+            spans.push(row_spans);
         }
-        plan
+        Self::with_spans(taps, Some(starts), spans)
+    }
+
+    fn with_spans(taps: Vec<Tap>, starts: Option<Vec<u32>>, rows: Vec<Vec<Range<u32>>>) -> Self {
+        let mut row_spans = vec![0];
+        row_spans.extend(rows.iter().scan(0, |end, row| {
+            *end += row.len();
+            Some(*end)
+        }));
+        Self { taps, starts, spans: rows.into_iter().flatten().collect(), row_spans }
     }
 
     /// The covered runs of columns in a row.
@@ -114,6 +144,14 @@ impl Plan {
             None => &self.taps[pixel..pixel + 1],
             Some(starts) => &self.taps[starts[pixel] as usize..starts[pixel + 1] as usize],
         }
+    }
+}
+
+/// Adds a column to the runs of those before it.
+fn extend_spans(spans: &mut Vec<Range<u32>>, column: u32) {
+    match spans.last_mut() {
+        Some(span) if span.end == column => span.end += 1,
+        _ => spans.push(column..column + 1),
     }
 }
 
