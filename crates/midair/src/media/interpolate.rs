@@ -71,11 +71,11 @@ fn cubic_taps(x: f64, size: usize) -> (isize, [f32; 4]) {
     let x = x.clamp(0.0, (size - 1) as f64);
     // A coordinate that is a pixel's centre but for the rounding of uv to a double is that centre:
     // then the pixel comes back bit for bit. 1e-9 px is far below a float's step.
-    let nearest = x.round();
-    let x = if (x - nearest).abs() < 1e-9 { nearest } else { x };
-    let below = x.floor();
-    let weights = cubic_weights((x - below) as f32);
-    (below as isize, weights)
+    // (Truncation is the floor of what is not negative, and needs no call to a library.)
+    let nearest = (x + 0.5) as isize;
+    let x = if (x - nearest as f64).abs() < 1e-9 { nearest as f64 } else { x };
+    let below = x as isize;
+    (below, cubic_weights((x - below as f64) as f32))
 }
 
 /// The weights of the pixels -1, 0, 1, 2 from the one below, at the fraction t from it.

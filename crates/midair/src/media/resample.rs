@@ -125,11 +125,12 @@ fn derivative(map: &Map, index: usize, stride: usize, place: usize, count: usize
         (None, None) => [0.0; 2],
         (Some(one), None) | (None, Some(one)) => one,
         (Some(back), Some(ahead)) => {
-            let (b, a) = (back[0].hypot(back[1]), ahead[0].hypot(ahead[1]));
-            // Two branches of the map meet here: a step between them is no derivative.
-            if b > 4.0 * a {
+            let square = |d: [f64; 2]| d[0] * d[0] + d[1] * d[1];
+            let (b, a) = (square(back), square(ahead));
+            // Two branches of the map meet here: a step four times the other is no derivative.
+            if b > 16.0 * a {
                 ahead
-            } else if a > 4.0 * b {
+            } else if a > 16.0 * b {
                 back
             } else {
                 [0.5 * (back[0] + ahead[0]), 0.5 * (back[1] + ahead[1])]
@@ -140,7 +141,11 @@ fn derivative(map: &Map, index: usize, stride: usize, place: usize, count: usize
 
 /// A side of the footprint in image pixels, scaled to its [`extent`], and the samples along it.
 fn footprint_side(side: [f64; 2]) -> ([f64; 2], usize) {
-    let length = side[0].hypot(side[1]);
+    let square = side[0] * side[0] + side[1] * side[1];
+    if square <= 1.0 {
+        return ([0.0; 2], 1);
+    }
+    let length = square.sqrt();
     let width = extent(length);
     // Below a thousandth of a pixel the average over the side is the value at its middle.
     if !width.is_finite() || width < 1e-3 {

@@ -24,26 +24,25 @@ fn load_8_at_the_end(frame: &[u8], start: usize) -> i64 {
 }
 
 /// Sixteen bytes from `start`, those past the frame's end being 0.
-#[inline(always)]
-fn load_16(frame: &[u8], start: usize) -> i128 {
+#[inline]
+#[target_feature(enable = "avx2")]
+fn load_16(frame: &[u8], start: usize) -> __m128i {
     match frame.get(start..).and_then(|rest| rest.first_chunk::<16>()) {
-        Some(bytes) => i128::from_le_bytes(*bytes),
+        // SAFETY: the chunk has the 16 bytes that are read; the load needs no alignment.
+        Some(bytes) => unsafe { _mm_loadu_si128(bytes.as_ptr().cast()) },
         None => load_16_at_the_end(frame, start),
     }
 }
 
 #[cold]
-fn load_16_at_the_end(frame: &[u8], start: usize) -> i128 {
+#[inline(never)]
+#[target_feature(enable = "avx2")]
+fn load_16_at_the_end(frame: &[u8], start: usize) -> __m128i {
     let mut bytes = [0; 16];
     let rest = &frame[start..];
     bytes[..rest.len()].copy_from_slice(rest);
-    i128::from_le_bytes(bytes)
-}
-
-#[inline]
-#[target_feature(enable = "avx2")]
-fn vector(bytes: i128) -> __m128i {
-    _mm_set_epi64x((bytes >> 64) as i64, bytes as i64)
+    // SAFETY: the array has the 16 bytes that are read; the load needs no alignment.
+    unsafe { _mm_loadu_si128(bytes.as_ptr().cast()) }
 }
 
 /// The shuffle that makes 16-bit pairs (channel of pixel `first`, same channel of the next) of packed bytes.
@@ -130,34 +129,97 @@ pub(super) fn bilinear<const C: usize>(
         }
         let (r0, r1, r2, r3) = (two!(0, 0x00), two!(1, 0x55), two!(2, 0xaa), two!(3, 0xff));
         let codes = _mm256_packus_epi16(_mm256_packus_epi32(r0, r1), _mm256_packus_epi32(r2, r3));
-        store_eight::<C>(codes, target);
+        let (low, high) = target.split_at_mut(4 * C);
+        store_four::<C>(_mm256_castsi256_si128(codes), low);
+        store_four::<C>(_mm256_extracti128_si256::<1>(codes), high);
     }
     kernel::bilinear_plain::<C>(frame, source, rest, last);
 }
 
-/// Stores eight pixels of four bytes each, as C bytes each.
+/// Stores four pixels of four bytes each, as C bytes each.
 #[inline]
 #[target_feature(enable = "avx2")]
-fn store_eight<const C: usize>(codes: __m256i, target: &mut [u8]) {
+fn store_four<const C: usize>(codes: __m128i, target: &mut [u8]) {
     let codes = if C == 4 {
         codes
     } else {
-        let close = _mm256_setr_epi8(
-            0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, -1, -1, -1, -1, //
-            0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, -1, -1, -1, -1,
-        );
-        _mm256_shuffle_epi8(codes, close)
+        let close = _mm_setr_epi8(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, -1, -1, -1, -1);
+        _mm_shuffle_epi8(codes, close)
     };
-    for (lane, half) in [_mm256_castsi256_si128(codes), _mm256_extracti128_si256::<1>(codes)]
-        .into_iter()
-        .zip(target.chunks_exact_mut(4 * C))
-    {
-        half[..8].copy_from_slice(&_mm_cvtsi128_si64(lane).to_le_bytes());
-        let high = _mm_extract_epi64::<1>(lane).to_le_bytes();
-        half[8..].copy_from_slice(&high[..4 * C - 8]);
+    target[..8].copy_from_slice(&_mm_cvtsi128_si64(codes).to_le_bytes());
+    let high = _mm_extract_epi64::<1>(codes).to_le_bytes();
+    target[8..].copy_from_slice(&high[..4 * C - 8]);
+}
+
+/// The weighted sums of 4 x 4 pixels, a channel in each lane. A macro, as it must be part of its
+/// callers' loops: called, it costs a third more.
+macro_rules! cubic_sum {
+    ($frame:ident, $stride:ident, $tables:ident, $tap:expr, $near:ident, $far:ident) => {{
+        let tap: &Tap = $tap;
+        let start = tap.pixel as usize * C;
+        let (wx, wy) = ($tables.x[usize::from(tap.x)], $tables.y[usize::from(tap.y)]);
+        let (w_near, w_far) = (_mm256_set1_epi32(wx[0]), _mm256_set1_epi32(wx[1]));
+        // Rows 0 and 2, rows 1 and 3: so the pairs to be summed stand in the same lane.
+        let even = _mm256_set_m128i(load_16($frame, start + 2 * $stride), load_16($frame, start));
+        let odd = _mm256_set_m128i(
+            load_16($frame, start + 3 * $stride),
+            load_16($frame, start + $stride),
+        );
+        let even = _mm256_add_epi32(
+            _mm256_madd_epi16(_mm256_shuffle_epi8(even, $near), w_near),
+            _mm256_madd_epi16(_mm256_shuffle_epi8(even, $far), w_far),
+        );
+        let odd = _mm256_add_epi32(
+            _mm256_madd_epi16(_mm256_shuffle_epi8(odd, $near), w_near),
+            _mm256_madd_epi16(_mm256_shuffle_epi8(odd, $far), w_far),
+        );
+        let column = _mm256_blend_epi16::<0b1010_1010>(
+            _mm256_srai_epi32::<{ CUBIC_DROP as i32 }>(even),
+            _mm256_slli_epi32::<{ 16 - CUBIC_DROP as i32 }>(odd),
+        );
+        let weights =
+            _mm256_blend_epi32::<0b1111_0000>(_mm256_set1_epi32(wy[0]), _mm256_set1_epi32(wy[1]));
+        let sums = _mm256_madd_epi16(column, weights);
+        _mm_add_epi32(_mm256_castsi256_si128(sums), _mm256_extracti128_si256::<1>(sums))
+    }};
+}
+
+/// Pixels of one cubic sample each.
+#[target_feature(enable = "avx2")]
+pub(super) fn cubic_single<const C: usize>(
+    frame: &[u8],
+    source: [usize; 2],
+    tables: &CubicTables,
+    taps: &[Tap],
+    output: &mut [u8],
+) {
+    let stride = source[0] * C;
+    let (near, far) = (pair_mask::<C>(0), pair_mask::<C>(2));
+    let half = _mm_set1_epi32(1 << (CUBIC_LAST - 1));
+    let (blocks, rest) = taps.as_chunks::<4>();
+    let (targets, last) = output.split_at_mut(blocks.len() * 4 * C);
+    for (block, target) in blocks.iter().zip(targets.chunks_exact_mut(4 * C)) {
+        let mut codes = [half; 4];
+        for (code, tap) in codes.iter_mut().zip(block) {
+            let sum = cubic_sum!(frame, stride, tables, tap, near, far);
+            *code = _mm_srai_epi32::<{ CUBIC_LAST as i32 }>(_mm_add_epi32(sum, half));
+        }
+        let codes = _mm_packus_epi16(
+            _mm_packus_epi32(codes[0], codes[1]),
+            _mm_packus_epi32(codes[2], codes[3]),
+        );
+        store_four::<C>(codes, target);
+    }
+    for (tap, target) in rest.iter().zip(last.chunks_exact_mut(C)) {
+        let sum = cubic_sum!(frame, stride, tables, tap, near, far);
+        let code = _mm_srai_epi32::<{ CUBIC_LAST as i32 }>(_mm_add_epi32(sum, half));
+        let code = _mm_packus_epi16(_mm_packus_epi32(code, code), code);
+        let bytes = _mm_cvtsi128_si32(code).to_le_bytes();
+        target.copy_from_slice(&bytes[..C]);
     }
 }
 
+/// Pixels of any number of cubic samples.
 #[target_feature(enable = "avx2")]
 pub(super) fn cubic<const C: usize>(
     frame: &[u8],
@@ -173,66 +235,23 @@ pub(super) fn cubic<const C: usize>(
     let ceiling = _mm_set1_epi32(255 << SAMPLE_BITS);
     for (index, target) in pixels.zip(output.chunks_exact_mut(C)) {
         let samples = plan.samples(index);
-        if let [tap] = samples {
-            let sum = cubic_sum::<C>(frame, stride, tables, tap, near, far);
-            let code = _mm_srai_epi32::<{ CUBIC_LAST as i32 }>(_mm_add_epi32(sum, half));
-            let code = _mm_packus_epi16(_mm_packus_epi32(code, code), code);
-            let bytes = _mm_cvtsi128_si32(code).to_le_bytes();
-            target.copy_from_slice(&bytes[..C]);
-        } else {
-            let mut total = _mm_setzero_si128();
-            for tap in samples {
-                let sum = cubic_sum::<C>(frame, stride, tables, tap, near, far);
-                let code = _mm_srai_epi32::<{ (CUBIC_LAST - SAMPLE_BITS) as i32 }>(sum);
-                let code = _mm_max_epi32(_mm_min_epi32(code, ceiling), _mm_setzero_si128());
-                total = _mm_add_epi32(total, code);
-            }
-            let totals = [
-                _mm_extract_epi32::<0>(total),
-                _mm_extract_epi32::<1>(total),
-                _mm_extract_epi32::<2>(total),
-                _mm_extract_epi32::<3>(total),
-            ];
-            for c in 0..C {
-                target[c] = kernel::mean_code(totals[c], samples.len());
-            }
+        let (mut sum, mut total) = (_mm_setzero_si128(), _mm_setzero_si128());
+        for tap in samples {
+            sum = cubic_sum!(frame, stride, tables, tap, near, far);
+            let code = _mm_srai_epi32::<{ (CUBIC_LAST - SAMPLE_BITS) as i32 }>(sum);
+            let code = _mm_max_epi32(_mm_min_epi32(code, ceiling), _mm_setzero_si128());
+            total = _mm_add_epi32(total, code);
         }
+        let code = if samples.len() == 1 {
+            _mm_srai_epi32::<{ CUBIC_LAST as i32 }>(_mm_add_epi32(sum, half))
+        } else {
+            // As `mean_code`, on all channels.
+            let scale = _mm_set1_ps(samples.len() as f32 * (1 << SAMPLE_BITS) as f32);
+            let mean = _mm_div_ps(_mm_cvtepi32_ps(total), scale);
+            _mm_cvttps_epi32(_mm_add_ps(mean, _mm_set1_ps(0.5)))
+        };
+        let code = _mm_packus_epi16(_mm_packus_epi32(code, code), code);
+        let bytes = _mm_cvtsi128_si32(code).to_le_bytes();
+        target.copy_from_slice(&bytes[..C]);
     }
-}
-
-/// The weighted sums of 4 x 4 pixels, a channel in each lane.
-#[inline]
-#[target_feature(enable = "avx2")]
-fn cubic_sum<const C: usize>(
-    frame: &[u8],
-    stride: usize,
-    tables: &CubicTables,
-    tap: &Tap,
-    near: __m256i,
-    far: __m256i,
-) -> __m128i {
-    let start = tap.pixel as usize * C;
-    let pack = |w: [i16; 4]| {
-        w.iter().rev().fold(0u64, |bits, &weight| bits << 16 | u64::from(weight as u16))
-    };
-    let wx = pack(tables.x[usize::from(tap.x)]);
-    let wy = pack(tables.y[usize::from(tap.y)]);
-    let (w_near, w_far) = (_mm256_set1_epi32(wx as i32), _mm256_set1_epi32((wx >> 32) as i32));
-    let row = |j: usize| vector(load_16(frame, start + j * stride));
-    let across = |rows: __m256i| {
-        _mm256_add_epi32(
-            _mm256_madd_epi16(_mm256_shuffle_epi8(rows, near), w_near),
-            _mm256_madd_epi16(_mm256_shuffle_epi8(rows, far), w_far),
-        )
-    };
-    // Rows 0 and 2, rows 1 and 3: so the pairs to be summed stand in the same lane.
-    let even = across(_mm256_set_m128i(row(2), row(0)));
-    let odd = across(_mm256_set_m128i(row(3), row(1)));
-    let column = _mm256_blend_epi16::<0b1010_1010>(
-        _mm256_srai_epi32::<{ CUBIC_DROP as i32 }>(even),
-        _mm256_slli_epi32::<{ 16 - CUBIC_DROP as i32 }>(odd),
-    );
-    let weights = _mm256_set_m128i(_mm_set1_epi32((wy >> 32) as i32), _mm_set1_epi32(wy as i32));
-    let sums = _mm256_madd_epi16(column, weights);
-    _mm_add_epi32(_mm256_castsi256_si128(sums), _mm256_extracti128_si256::<1>(sums))
 }

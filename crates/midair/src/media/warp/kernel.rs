@@ -1,6 +1,6 @@
 //! The arithmetic of a warp, and the choice of how it is computed.
 
-use super::taps::{CubicTables, ONE, Plan, Tap, WEIGHT_BITS};
+use super::taps::{CubicTables, ONE, Plan, Tap, WEIGHT_BITS, unpack};
 use std::ops::Range;
 
 /// Bits dropped between the horizontal and the vertical sums, so that the former fit 16 bits.
@@ -68,7 +68,12 @@ pub(super) fn cubic<const C: usize>(
 ) {
     #[cfg(target_arch = "x86_64")]
     if vectors(source) {
-        // SAFETY: the processor has AVX2; the function asks for nothing else.
+        if plan.is_single() {
+            let taps = plan.taps(pixels);
+            // SAFETY: the processor has AVX2; the function asks for nothing else.
+            return unsafe { super::avx2::cubic_single::<C>(frame, source, tables, taps, output) };
+        }
+        // SAFETY: as above.
         return unsafe { super::avx2::cubic::<C>(frame, source, tables, plan, pixels, output) };
     }
     cubic_plain::<C>(frame, source, tables, plan, pixels, output);
@@ -124,16 +129,17 @@ fn cubic_sum<const C: usize>(
     tap: &Tap,
     c: usize,
 ) -> i32 {
-    let (wx, wy) = (tables.x[usize::from(tap.x)], tables.y[usize::from(tap.y)]);
+    let wx = unpack(tables.x[usize::from(tap.x)]);
+    let wy = unpack(tables.y[usize::from(tap.y)]);
     let mut sum = 0;
     // A source of fewer than four rows or columns has no weight on those that it lacks.
     for j in 0..source[1].min(4) {
         let line = (tap.pixel as usize + j * source[0]) * C + c;
         let mut across = 0;
         for i in 0..source[0].min(4) {
-            across += i32::from(frame[line + i * C]) * i32::from(wx[i]);
+            across += i32::from(frame[line + i * C]) * wx[i];
         }
-        sum += (across >> CUBIC_DROP) * i32::from(wy[j]);
+        sum += (across >> CUBIC_DROP) * wy[j];
     }
     sum
 }

@@ -6,6 +6,7 @@ use crate::media::interpolate::cubic_weights;
 use crate::media::resample::Footprint;
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Bits of a bilinear fraction and of every weight.
 pub(super) const WEIGHT_BITS: u32 = 14;
@@ -46,18 +47,20 @@ impl Plan {
             Filter::Sharp => {
                 let footprint =
                     |column: usize, row: usize| Footprint::new(map, source, column, row);
-                let single = (0..map.height).into_par_iter().all(|row| {
-                    (0..map.width)
-                        .all(|column| footprint(column, row).is_none_or(|f| f.count() == 1))
+                // Most maps magnify everywhere, and then no list is needed: tried first, given up at
+                // the first pixel that has more samples.
+                let crowded = AtomicBool::new(false);
+                let plan = Self::single(map, |column, row| {
+                    if crowded.load(Ordering::Relaxed) {
+                        return None;
+                    }
+                    let footprint = footprint(column, row)?;
+                    if footprint.count() > 1 {
+                        crowded.store(true, Ordering::Relaxed);
+                    }
+                    footprint.samples().next().map(|at| cubic_tap(at, source))
                 });
-                if single {
-                    Self::single(map, |column, row| {
-                        let mut samples = footprint(column, row)?.samples();
-                        samples.next().map(|at| cubic_tap(at, source))
-                    })
-                } else {
-                    Self::several(map, source, footprint)
-                }
+                if crowded.into_inner() { Self::several(map, source, footprint) } else { plan }
             }
         }
     }
@@ -137,6 +140,11 @@ impl Plan {
         &self.taps[pixels]
     }
 
+    /// Whether no pixel has more than one sample, so that [`Self::taps`] tells all.
+    pub(super) fn is_single(&self) -> bool {
+        self.starts.is_none()
+    }
+
     /// The samples of one pixel.
     #[inline]
     pub(super) fn samples(&self, pixel: usize) -> &[Tap] {
@@ -165,7 +173,7 @@ fn split(coordinate: f64, size: usize, span: usize) -> (usize, f64) {
 fn bilinear_tap([u, v]: [f64; 2], source: [usize; 2]) -> Tap {
     let (column, fx) = split(u * source[0] as f64 - 0.5, source[0], 2);
     let (row, fy) = split((1.0 - v) * source[1] as f64 - 0.5, source[1], 2);
-    let fixed = |fraction: f64| (fraction * f64::from(ONE)).round() as u16;
+    let fixed = |fraction: f64| (fraction * f64::from(ONE) + 0.5) as u16;
     Tap { pixel: (row * source[0] + column) as u32, x: fixed(fx), y: fixed(fy) }
 }
 
@@ -178,7 +186,7 @@ fn cubic_tap([x, y]: [f64; 2], source: [usize; 2]) -> Tap {
 /// The first of four pixels and the table row that holds their weights.
 fn cubic_axis(coordinate: f64, size: usize) -> (usize, u16) {
     let (below, fraction) = split(coordinate, size, 2);
-    let step = (fraction * CUBIC_STEPS as f64).round() as usize;
+    let step = (fraction * CUBIC_STEPS as f64 + 0.5) as usize;
     let (edge, first) = if size < 4 {
         // Too few pixels for four taps: the table is made for this size.
         (below, 0)
@@ -193,18 +201,32 @@ fn cubic_axis(coordinate: f64, size: usize) -> (usize, u16) {
 }
 
 /// Weights of four pixels in a row (or column) by where among them the sample lies: three parts of 1025 rows,
-/// for the interior and for the first and the last gap of the source, where the edge goes on.
+/// for the interior and for the first and the last gap of the source, where the edge goes on. Two weights of
+/// 16 bits in each number, the earlier in the lower half.
 #[derive(Clone, Debug)]
 pub(super) struct CubicTables {
-    pub(super) x: Vec<[i16; 4]>,
-    pub(super) y: Vec<[i16; 4]>,
+    pub(super) x: Vec<[i32; 2]>,
+    pub(super) y: Vec<[i32; 2]>,
+}
+
+/// Packs a row of a table.
+fn pack(w: [i16; 4]) -> [i32; 2] {
+    [0, 2].map(|i| i32::from(w[i]) & 0xffff | i32::from(w[i + 1]) << 16)
+}
+
+/// The weights that a row of a table holds.
+#[inline]
+pub(super) fn unpack(row: [i32; 2]) -> [i32; 4] {
+    let half = |number: i32| [i32::from(number as i16), number >> 16];
+    let ([a, b], [c, d]) = (half(row[0]), half(row[1]));
+    [a, b, c, d]
 }
 
 impl CubicTables {
     pub(super) fn new(source: [usize; 2]) -> Self {
         let [x, y] = source.map(|size| {
             (0..3 * (CUBIC_STEPS + 1))
-                .map(|row| cubic_row(row / (CUBIC_STEPS + 1), row % (CUBIC_STEPS + 1), size))
+                .map(|row| pack(cubic_row(row / (CUBIC_STEPS + 1), row % (CUBIC_STEPS + 1), size)))
                 .collect()
         });
         Self { x, y }
@@ -238,12 +260,12 @@ mod tests {
             let tables = CubicTables::new([size, 50]);
             for place in 0..size {
                 let (first, row) = cubic_axis(place as f64, size);
-                let weights = tables.x[usize::from(row)];
+                let weights = unpack(tables.x[usize::from(row)]);
                 let mut expected = [0; 4];
-                expected[place - first] = ONE as i16;
+                expected[place - first] = ONE;
                 assert_eq!(weights, expected, "pixel {place} of {size}");
             }
-            let sums = tables.x.iter().map(|row| row.iter().map(|&w| i32::from(w)).sum::<i32>());
+            let sums = tables.x.iter().map(|&row| unpack(row).iter().sum::<i32>());
             assert!(sums.into_iter().all(|sum| sum == ONE));
         }
     }
