@@ -5,7 +5,7 @@
 //! OpenCV takes part where the workspace's `.venv/bin/python3`, or else `python3`, has cv2 and numpy.
 
 use midair::map::Map;
-use midair::media::{Filter, Picture, Warp, display_image};
+use midair::media::{Filter, LinearScratch, Picture, Warp, display_image};
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -111,7 +111,8 @@ fn compare(name: &str, map: &Map, rounds: usize, threads: usize) {
         warp.expect("made above").expect("the source has pixels")
     });
     let mut opencv = OpenCv::start(map, threads);
-    let mut times = vec![Vec::new(); 6];
+    let mut scratch = LinearScratch::default();
+    let mut times = vec![Vec::new(); 8];
     for _ in 0..rounds {
         for (k, warp) in warps.iter().enumerate() {
             for channels in [3, 4] {
@@ -120,6 +121,12 @@ fn compare(name: &str, map: &Map, rounds: usize, threads: usize) {
                 let run = || warp.apply(frame, channels, output).expect("the sizes fit");
                 times[2 * k + channels - 3].push(seconds(run));
             }
+            let bytes = source[0] * source[1] * 3;
+            let (frame, output) = (&frame[..bytes], &mut output[..bytes]);
+            times[6 + k].push(seconds(|| {
+                let done = warp.apply_in_linear_light(frame, 3, &mut scratch, output);
+                done.expect("the sizes fit");
+            }));
         }
         for (k, maps) in ["float", "fixed"].into_iter().enumerate() {
             times[4 + k].extend(opencv.as_mut().and_then(|opencv| opencv.remap(maps)));
@@ -132,6 +139,8 @@ fn compare(name: &str, map: &Map, rounds: usize, threads: usize) {
         "sharp RGBA",
         "OpenCV float maps, RGB",
         "OpenCV fixed-point maps, RGB",
+        "bilinear RGB in linear light",
+        "sharp RGB in linear light",
     ];
     for (what, times) in names.into_iter().zip(times) {
         if !times.is_empty() {

@@ -12,4 +12,4 @@ pub use crate::map::format::FileError;
 pub use picture::Picture;
 pub use resample::display_image;
 pub use still::{Depth, Still, decode_still, read_still, write_still};
-pub use warp::{Filter, Warp, WarpError};
+pub use warp::{Filter, LinearScratch, Warp, WarpError};

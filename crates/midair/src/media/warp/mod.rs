@@ -7,10 +7,12 @@
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 mod kernel;
+mod linear;
 mod taps;
 
 use crate::map::Map;
 use rayon::prelude::*;
+use std::ops::Range;
 use taps::{CubicTables, Plan};
 
 /// How a frame is sampled.
@@ -57,8 +59,8 @@ pub struct Warp {
     width: usize,
     height: usize,
     source: [usize; 2],
-    filter: Filter,
     plan: Plan,
+    /// For the sharp filter.
     tables: Option<CubicTables>,
 }
 
@@ -77,7 +79,7 @@ impl Warp {
         }
         let plan = Plan::new(map, source, filter);
         let tables = (filter == Filter::Sharp).then(|| CubicTables::new(source));
-        Ok(Self { width: map.width, height: map.height, source, filter, plan, tables })
+        Ok(Self { width: map.width, height: map.height, source, plan, tables })
     }
 
     /// Width and height of the warped frame.
@@ -99,44 +101,87 @@ impl Warp {
         }
     }
 
+    /// Warps one sRGB frame in linear light, as [`display_image`](super::display_image) does; else as
+    /// [`apply`](Self::apply), alpha being proportional. `scratch` is working memory, to be kept from frame
+    /// to frame.
+    ///
+    /// # Errors
+    /// As [`apply`](Self::apply).
+    pub fn apply_in_linear_light(
+        &self,
+        frame: &[u8],
+        channels: usize,
+        scratch: &mut LinearScratch,
+        output: &mut [u8],
+    ) -> Result<(), WarpError> {
+        match channels {
+            3 => self.apply_linear::<3>(frame, &mut scratch.0, output),
+            4 => self.apply_linear::<4>(frame, &mut scratch.0, output),
+            other => Err(WarpError::Channels(other)),
+        }
+    }
+
+    fn apply_linear<const C: usize>(
+        &self,
+        frame: &[u8],
+        light: &mut Vec<[i16; 4]>,
+        output: &mut [u8],
+    ) -> Result<(), WarpError> {
+        check_frame::<C>(self.source[0], self.source[1], frame.len())?;
+        linear::decode::<C>(frame, light);
+        let (light, source, plan) = (&light[..], self.source, &self.plan);
+        self.each_span::<C>(output, |pixels, target| {
+            let tables = self.tables.as_ref();
+            linear::Run { light, source, tables, plan, pixels }.warp::<C>(target);
+        })
+    }
+
     fn apply_channels<const C: usize>(
         &self,
         frame: &[u8],
         output: &mut [u8],
     ) -> Result<(), WarpError> {
         check_frame::<C>(self.source[0], self.source[1], frame.len())?;
+        self.each_span::<C>(output, |pixels, target| match &self.tables {
+            Some(tables) => {
+                kernel::cubic::<C>(frame, self.source, tables, &self.plan, pixels, target);
+            }
+            None => kernel::bilinear::<C>(frame, self.source, self.plan.taps(pixels), target),
+        })
+    }
+
+    /// Has each covered run of output pixels (their numbers, their bytes) filled; the rest becomes 0.
+    fn each_span<const C: usize>(
+        &self,
+        output: &mut [u8],
+        fill: impl Fn(Range<usize>, &mut [u8]) + Sync,
+    ) -> Result<(), WarpError> {
         check_frame::<C>(self.width, self.height, output.len())?;
-        if self.width == 0 {
+        let row_bytes = self.width * C;
+        if row_bytes == 0 {
             return Ok(());
         }
-        let row_bytes = self.width * C;
         output.par_chunks_mut(row_bytes * BAND).enumerate().for_each(|(band, rows)| {
-            for (i, row) in rows.chunks_exact_mut(row_bytes).enumerate() {
-                self.warp_row::<C>(frame, band * BAND + i, row);
+            for (i, output) in rows.chunks_exact_mut(row_bytes).enumerate() {
+                let row = band * BAND + i;
+                let mut done = 0;
+                for span in self.plan.spans(row) {
+                    output[done * C..span.start * C].fill(0);
+                    let first = row * self.width;
+                    let target = &mut output[span.start * C..span.end * C];
+                    fill(first + span.start..first + span.end, target);
+                    done = span.end;
+                }
+                output[done * C..].fill(0);
             }
         });
         Ok(())
     }
-
-    /// One output row: its covered spans warped, the rest 0.
-    fn warp_row<const C: usize>(&self, frame: &[u8], row: usize, output: &mut [u8]) {
-        let mut done = 0;
-        for span in self.plan.spans(row) {
-            output[done * C..span.start * C].fill(0);
-            let target = &mut output[span.start * C..span.end * C];
-            let first = row * self.width + span.start;
-            let pixels = first..first + span.len();
-            match (&self.tables, self.filter) {
-                (Some(tables), Filter::Sharp) => {
-                    kernel::cubic::<C>(frame, self.source, tables, &self.plan, pixels, target);
-                }
-                _ => kernel::bilinear::<C>(frame, self.source, self.plan.taps(pixels), target),
-            }
-            done = span.end;
-        }
-        output[done * C..].fill(0);
-    }
 }
+
+/// Working memory of [`Warp::apply_in_linear_light`].
+#[derive(Clone, Debug, Default)]
+pub struct LinearScratch(Vec<[i16; 4]>);
 
 fn check_frame<const C: usize>(width: usize, height: usize, found: usize) -> Result<(), WarpError> {
     let expected = width * height * C;
