@@ -76,7 +76,7 @@ impl OpenCv {
 fn main() {
     let threads = std::env::args().nth(1).and_then(|n| n.parse().ok()).unwrap_or(2);
     rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().expect("first use");
-    for (width, height, rounds) in [(1920, 1080, 40), (3840, 2160, 15)] {
+    for (width, height, rounds) in [(1920, 1080, 30), (3840, 2160, 10)] {
         println!("{width} x {height}, {threads} threads");
         for (name, bend) in [("magnifying", 0.75), ("both ways", 1.0)] {
             compare(name, &bent_map(width, height, bend), rounds, threads);

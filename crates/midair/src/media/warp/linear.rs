@@ -26,11 +26,19 @@ static DECODE: LazyLock<[[i16; 256]; 2]> = LazyLock::new(|| {
     ]
 });
 
+/// Codes of 15-bit light, whose every value has a place.
+type Codes = [u8; WHITE as usize + 1];
+
 /// Light to codes.
-static ENCODE: LazyLock<[Vec<u8>; 2]> = LazyLock::new(|| {
+static ENCODE: LazyLock<[Box<Codes>; 2]> = LazyLock::new(|| {
+    let table = |code: fn(i32) -> u8| {
+        let mut table = Box::new([0; WHITE as usize + 1]);
+        table.iter_mut().zip(0..).for_each(|(entry, light)| *entry = code(light));
+        table
+    };
     [
-        (0..=WHITE).map(|light| srgb::encode_8(light as f32 / WHITE as f32)).collect(),
-        (0..=WHITE).map(|light| ((light * 255 + WHITE / 2) / WHITE) as u8).collect(),
+        table(|light| srgb::encode_8(light as f32 / WHITE as f32)),
+        table(|light| ((light * 255 + WHITE / 2) / WHITE) as u8),
     ]
 });
 
@@ -73,46 +81,57 @@ impl Run<'_> {
             // SAFETY: the processor has AVX2; the function asks for nothing else.
             return unsafe { self.warp_avx2::<C>(output) };
         }
-        self.warp_plain::<C>(output);
+        match self.tables {
+            Some(tables) => self.warp_plain::<C, true>(&tables.x, &tables.y, output),
+            None => self.warp_plain::<C, false>(&[], &[], output),
+        }
     }
 
     /// The same code, for the compiler to use wider instructions in.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
     fn warp_avx2<const C: usize>(self, output: &mut [u8]) {
-        self.warp_plain::<C>(output);
+        match self.tables {
+            Some(tables) => self.warp_plain::<C, true>(&tables.x, &tables.y, output),
+            None => self.warp_plain::<C, false>(&[], &[], output),
+        }
     }
 
+    /// Written without closures: they would not share their caller's instruction set.
     #[inline(always)]
-    fn warp_plain<const C: usize>(self, output: &mut [u8]) {
+    fn warp_plain<const C: usize, const CUBIC: bool>(
+        &self,
+        table_x: &[[i32; 2]],
+        table_y: &[[i32; 2]],
+        output: &mut [u8],
+    ) {
         let codes = &*ENCODE;
-        let Self { light, source: [width, height], tables, plan, pixels } = self;
-        for (index, target) in pixels.zip(output.as_chunks_mut::<C>().0) {
-            let sample = |tap: &Tap| match tables {
-                Some(tables) => {
-                    let wx = unpack(tables.x[usize::from(tap.x)]);
-                    let wy = unpack(tables.y[usize::from(tap.y)]);
+        let (light, [width, height]) = (self.light, self.source);
+        for (index, target) in self.pixels.clone().zip(output.as_chunks_mut::<C>().0) {
+            let taps = self.plan.samples(index);
+            let mut value = [0i32; 4];
+            for tap in taps {
+                let sample = if CUBIC {
+                    let wx = unpack(table_x[usize::from(tap.x)]);
+                    let wy = unpack(table_y[usize::from(tap.y)]);
                     weighted_sum(light, width, height, tap, wx, wy)
-                }
-                None => {
+                } else {
                     let (fx, fy) = (i32::from(tap.x), i32::from(tap.y));
                     weighted_sum(light, width, height, tap, [ONE - fx, fx], [ONE - fy, fy])
+                };
+                for c in 0..4 {
+                    value[c] += sample[c];
                 }
-            };
-            let value = match plan.samples(index) {
-                [tap] => sample(tap),
-                taps => {
-                    let mut total = [0i32; 4];
-                    for tap in taps {
-                        let value = sample(tap);
-                        (0..4).for_each(|c| total[c] += value[c]);
-                    }
-                    let count = taps.len().max(1) as i32;
-                    total.map(|sum| (sum + count / 2) / count)
+            }
+            if taps.len() > 1 {
+                let count = taps.len() as i32;
+                for c in 0..4 {
+                    value[c] = (value[c] + count / 2) / count;
                 }
-            };
+            }
             for c in 0..C {
-                target[c] = codes[curve(c)][value[c] as usize];
+                // A mean of values from 0 to white is one; the mask only tells the compiler so.
+                target[c] = codes[curve(c)][(value[c] & WHITE) as usize];
             }
         }
     }
@@ -134,7 +153,8 @@ fn weighted_sum<const N: usize>(
     for j in 0..N.min(height) {
         let start = first + j * width;
         let mut across = [1i32 << (DROP - 1); 4];
-        if let Some(row) = light.get(start..).and_then(|rest| rest.first_chunk::<N>()) {
+        if start + N <= light.len() {
+            let row = &light[start..start + N];
             for i in 0..N {
                 for c in 0..4 {
                     across[c] += i32::from(row[i][c]) * wx[i];
@@ -151,7 +171,10 @@ fn weighted_sum<const N: usize>(
             sum[c] += (across[c] >> DROP) * wy[j];
         }
     }
-    sum.map(|sum| (sum >> LAST).clamp(0, WHITE))
+    for c in 0..4 {
+        sum[c] = (sum[c] >> LAST).clamp(0, WHITE);
+    }
+    sum
 }
 
 #[cfg(test)]

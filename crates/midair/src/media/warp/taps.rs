@@ -146,7 +146,7 @@ impl Plan {
     }
 
     /// The samples of one pixel.
-    #[inline]
+    #[inline(always)]
     pub(super) fn samples(&self, pixel: usize) -> &[Tap] {
         match &self.starts {
             None => &self.taps[pixel..pixel + 1],
@@ -215,11 +215,10 @@ fn pack(w: [i16; 4]) -> [i32; 2] {
 }
 
 /// The weights that a row of a table holds.
-#[inline]
+#[inline(always)]
 pub(super) fn unpack(row: [i32; 2]) -> [i32; 4] {
-    let half = |number: i32| [i32::from(number as i16), number >> 16];
-    let ([a, b], [c, d]) = (half(row[0]), half(row[1]));
-    [a, b, c, d]
+    let [near, far] = row;
+    [i32::from(near as i16), near >> 16, i32::from(far as i16), far >> 16]
 }
 
 impl CubicTables {
