@@ -1,11 +1,13 @@
 //! G: the inverse of the transport on the display's pixels; its status, colour and file formats.
 
+mod bleed;
 pub mod format;
 mod formation;
 mod invert;
 mod model;
 mod splat;
 
+pub use bleed::bleed;
 pub use formation::{Formation, ImagePoint, formation};
 pub use invert::{Accuracy, Effort, invert, invert_into};
 pub use model::{Map, Status, pixel_centre};

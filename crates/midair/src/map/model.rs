@@ -15,6 +15,15 @@ pub enum Status {
     Blocked = 3,
 }
 
+impl Status {
+    /// The status that a file's number stands for.
+    pub fn from_code(code: f32) -> Option<Self> {
+        [Self::Ok, Self::Folded, Self::Outside, Self::Blocked]
+            .into_iter()
+            .find(|&status| f32::from(status as u8) == code)
+    }
+}
+
 /// Display st -> image uv, one sample at each display pixel's centre.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map {

@@ -64,24 +64,29 @@ impl<'a> Sampler<'a> {
     }
 }
 
-/// The pixel below a coordinate, held so that all four taps of a coordinate outside the picture
-/// fall on its edge, and the weights of the pixels -1, 0, 1, 2 from it.
+/// The pixel below a coordinate (which is held to the picture's outermost centres: beyond them the edge
+/// goes on) and the weights of the pixels -1, 0, 1, 2 from it.
 #[inline]
 fn cubic_taps(x: f64, size: usize) -> (isize, [f32; 4]) {
-    let x = x.clamp(-0.5, size as f64 - 0.5);
+    let x = x.clamp(0.0, (size - 1) as f64);
     // A coordinate that is a pixel's centre but for the rounding of uv to a double is that centre:
     // then the pixel comes back bit for bit. 1e-9 px is far below a float's step.
-    let nearest = x.round();
-    let x = if (x - nearest).abs() < 1e-9 { nearest } else { x };
-    let below = x.floor();
-    let t = (x - below) as f32;
-    let weights = [
+    // (Truncation is the floor of what is not negative, and needs no call to a library.)
+    let nearest = (x + 0.5) as isize;
+    let x = if (x - nearest as f64).abs() < 1e-9 { nearest as f64 } else { x };
+    let below = x as isize;
+    (below, cubic_weights((x - below as f64) as f32))
+}
+
+/// The weights of the pixels -1, 0, 1, 2 from the one below, at the fraction t from it.
+#[inline]
+pub(crate) fn cubic_weights(t: f32) -> [f32; 4] {
+    [
         t * (-0.5 + t * (1.0 - 0.5 * t)),
         1.0 + t * t * (1.5 * t - 2.5),
         t * (0.5 + t * (2.0 - 1.5 * t)),
         t * t * (0.5 * t - 0.5),
-    ];
-    (below as isize, weights)
+    ]
 }
 
 #[cfg(test)]

@@ -6,8 +6,10 @@ mod picture;
 mod resample;
 pub mod srgb;
 mod still;
+mod warp;
 
 pub use crate::map::format::FileError;
 pub use picture::Picture;
 pub use resample::display_image;
 pub use still::{Depth, Still, decode_still, read_still, write_still};
+pub use warp::{Filter, LinearScratch, Warp, WarpError};

@@ -25,52 +25,86 @@ pub fn display_image(picture: &Picture, map: &Map) -> Picture {
     let mut pixels = vec![[0.0f32; 4]; map.width * map.height];
     if map.width > 0 && picture.width > 0 && picture.height > 0 {
         let sampler = Sampler::new(picture);
+        let size = [picture.width, picture.height];
         pixels.par_chunks_mut(map.width).enumerate().for_each(|(row, line)| {
             for (column, pixel) in line.iter_mut().enumerate() {
-                *pixel = display_pixel(&sampler, picture, map, column, row);
+                *pixel = display_pixel(&sampler, size, map, column, row);
             }
         });
     }
     Picture { width: map.width, height: map.height, pixels }
 }
 
+/// What a display pixel covers of the picture, in the picture's pixels (x right, y down, 0 at the first
+/// pixel's centre): a parallelogram about a point, and how many samples to average along its sides.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Footprint {
+    centre: [f64; 2],
+    across: [f64; 2],
+    down: [f64; 2],
+    n_across: usize,
+    n_down: usize,
+}
+
+impl Footprint {
+    /// The footprint of a pixel of `map` in a picture of `size` (width, height); none without an answer.
+    #[inline]
+    pub(crate) fn new(map: &Map, size: [usize; 2], column: usize, row: usize) -> Option<Self> {
+        let index = row * map.width + column;
+        let [u, v] = answer(map, index)?;
+        let (width, height) = (size[0] as f64, size[1] as f64);
+        let [du, dv] = derivative(map, index, 1, column, map.width);
+        let (across, n_across) = footprint_side([du * width, -dv * height]);
+        let [du, dv] = derivative(map, index, map.width, row, map.height);
+        let (down, n_down) = footprint_side([du * width, -dv * height]);
+        let centre = [u * width - 0.5, (1.0 - v) * height - 0.5];
+        Some(Self { centre, across, down, n_across, n_down })
+    }
+
+    /// How many samples to average.
+    #[inline]
+    pub(crate) fn count(&self) -> usize {
+        self.n_across * self.n_down
+    }
+
+    /// The places at which to sample the picture.
+    #[inline]
+    pub(crate) fn samples(self) -> impl Iterator<Item = [f64; 2]> {
+        let along = |i: usize, n: usize| (i as f64 + 0.5) / n as f64 - 0.5;
+        (0..self.n_down).flat_map(move |j| {
+            let b = along(j, self.n_down);
+            (0..self.n_across).map(move |i| {
+                let a = along(i, self.n_across);
+                [0, 1].map(|c| self.centre[c] + a * self.across[c] + b * self.down[c])
+            })
+        })
+    }
+}
+
 /// One display pixel: the average of the picture over the pixel's footprint.
 #[inline]
 fn display_pixel(
     sampler: &Sampler,
-    picture: &Picture,
+    size: [usize; 2],
     map: &Map,
     column: usize,
     row: usize,
 ) -> [f32; 4] {
-    let index = row * map.width + column;
-    let Some([u, v]) = answer(map, index) else {
+    let Some(footprint) = Footprint::new(map, size, column, row) else {
         return [0.0; 4];
     };
-    let (width, height) = (picture.width as f64, picture.height as f64);
-    let (x, y) = (u * width - 0.5, (1.0 - v) * height - 0.5);
-    let [du, dv] = derivative(map, index, 1, column, map.width);
-    let across = [du * width, -dv * height];
-    let [du, dv] = derivative(map, index, map.width, row, map.height);
-    let down = [du * width, -dv * height];
-    let (across, n_across) = footprint_side(across);
-    let (down, n_down) = footprint_side(down);
-    if n_across == 1 && n_down == 1 {
-        return sampler.cubic(x, y);
+    let count = footprint.count();
+    if count == 1 {
+        return sampler.cubic(footprint.centre[0], footprint.centre[1]);
     }
     let mut sum = [0.0f32; 4];
-    for j in 0..n_down {
-        let b = (j as f64 + 0.5) / n_down as f64 - 0.5;
-        for i in 0..n_across {
-            let a = (i as f64 + 0.5) / n_across as f64 - 0.5;
-            let sample =
-                sampler.cubic(x + a * across[0] + b * down[0], y + a * across[1] + b * down[1]);
-            for c in 0..4 {
-                sum[c] += sample[c];
-            }
+    for [x, y] in footprint.samples() {
+        let sample = sampler.cubic(x, y);
+        for c in 0..4 {
+            sum[c] += sample[c];
         }
     }
-    let share = 1.0 / (n_across * n_down) as f32;
+    let share = 1.0 / count as f32;
     sum.map(|total| total * share)
 }
 
@@ -91,11 +125,12 @@ fn derivative(map: &Map, index: usize, stride: usize, place: usize, count: usize
         (None, None) => [0.0; 2],
         (Some(one), None) | (None, Some(one)) => one,
         (Some(back), Some(ahead)) => {
-            let (b, a) = (back[0].hypot(back[1]), ahead[0].hypot(ahead[1]));
-            // Two branches of the map meet here: a step between them is no derivative.
-            if b > 4.0 * a {
+            let square = |d: [f64; 2]| d[0] * d[0] + d[1] * d[1];
+            let (b, a) = (square(back), square(ahead));
+            // Two branches of the map meet here: a step four times the other is no derivative.
+            if b > 16.0 * a {
                 ahead
-            } else if a > 4.0 * b {
+            } else if a > 16.0 * b {
                 back
             } else {
                 [0.5 * (back[0] + ahead[0]), 0.5 * (back[1] + ahead[1])]
@@ -106,7 +141,11 @@ fn derivative(map: &Map, index: usize, stride: usize, place: usize, count: usize
 
 /// A side of the footprint in image pixels, scaled to its [`extent`], and the samples along it.
 fn footprint_side(side: [f64; 2]) -> ([f64; 2], usize) {
-    let length = side[0].hypot(side[1]);
+    let square = side[0] * side[0] + side[1] * side[1];
+    if square <= 1.0 {
+        return ([0.0; 2], 1);
+    }
+    let length = square.sqrt();
     let width = extent(length);
     // Below a thousandth of a pixel the average over the side is the value at its middle.
     if !width.is_finite() || width < 1e-3 {

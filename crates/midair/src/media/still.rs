@@ -1,13 +1,9 @@
 //! Stills from and to files: PNG, JPEG and OpenEXR.
 
 use super::{Picture, srgb};
-use crate::map::format::{FileError, MAX_PIXELS, check_size, decode_channels};
-use crate::map::format::{write_channels, write_png};
-use image::metadata::Orientation;
-use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageFormat, ImageReader};
+use crate::map::format::{FileError, decode_channels, decode_samples, write_channels, write_png};
+use image::{DynamicImage, ExtendedColorType, ImageFormat};
 use rayon::prelude::*;
-use std::io::Cursor;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 /// How finely a file's samples are graded.
@@ -71,58 +67,12 @@ pub fn decode_still(path: &Path, bytes: &[u8]) -> Result<Still, FileError> {
 }
 
 fn decode_srgb(path: &Path, bytes: &[u8], format: ImageFormat) -> Result<Still, FileError> {
-    // Decoders meet damaged files here; a panic in one is an error in the file.
-    let decoded = catch_unwind(AssertUnwindSafe(|| decode_dynamic(path, bytes, format)));
-    let (image, notes) = decoded.unwrap_or_else(|_| {
-        Err(FileError::malformed(path, "pixels", "the data make no sense", "export it again"))
-    })?;
+    let (image, notes) = decode_samples(path, bytes, format)?;
     let depth = match image.color().bytes_per_pixel() / image.color().channel_count() {
         1 => Depth::Eight,
         _ => Depth::Sixteen,
     };
     Ok(Still { picture: linearise(image), depth, notes })
-}
-
-fn decode_dynamic(
-    path: &Path,
-    bytes: &[u8],
-    format: ImageFormat,
-) -> Result<(DynamicImage, Vec<String>), FileError> {
-    let kind = if format == ImageFormat::Png { "PNG" } else { "JPEG" };
-    let bad = |place: &str, error: image::ImageError| {
-        let remedy = match &error {
-            image::ImageError::IoError(_) => "it seems cut short: copy or export it again",
-            _ => "it seems damaged: export it again",
-        };
-        FileError::malformed(path, place, format!("{kind}: {error}"), remedy)
-    };
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-    let mut limits = image::Limits::default();
-    limits.max_alloc = Some(MAX_PIXELS * 8);
-    reader.limits(limits);
-    let mut decoder = reader.into_decoder().map_err(|error| bad("header", error))?;
-    let (width, height) = decoder.dimensions();
-    check_size(path, u64::from(width), u64::from(height))?;
-    // Deflate packs at most 1032 bytes in one, and a palette's bit becomes three bytes; a JPEG
-    // block of 64 pixels takes bits, too. A larger claim is a cut or hostile file.
-    let least = decoder.total_bytes() / 32768;
-    if least > bytes.len() as u64 {
-        let problem =
-            format!("{kind}: {width} x {height} pixels cannot come from {} bytes", bytes.len());
-        let remedy = "it seems cut short: copy or export it again";
-        return Err(FileError::malformed(path, "header", problem, remedy));
-    }
-    let mut notes = Vec::new();
-    if matches!(decoder.icc_profile(), Ok(Some(_))) {
-        notes.push(format!(
-            "{}: its colour profile is ignored: the colours are taken as sRGB",
-            path.display()
-        ));
-    }
-    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
-    let mut image = DynamicImage::from_decoder(decoder).map_err(|error| bad("pixels", error))?;
-    image.apply_orientation(orientation);
-    Ok((image, notes))
 }
 
 /// Decodes sRGB codes of 8 or 16 bits and premultiplies.
@@ -234,7 +184,7 @@ pub fn write_still(path: &Path, picture: &Picture, depth: Depth) -> Result<(), F
         });
         (codes.flatten_iter().collect(), ExtendedColorType::Rgb16)
     };
-    write_png(path, picture.width, picture.height, &bytes, colour)
+    write_png(path, (picture.width, picture.height), &bytes, colour)
 }
 
 #[cfg(test)]
@@ -242,6 +192,7 @@ mod tests {
     use super::*;
     use image::ImageBuffer;
     use proptest::prelude::*;
+    use std::io::Cursor;
     use std::path::PathBuf;
 
     fn encoded(image: DynamicImage, format: ImageFormat) -> Vec<u8> {

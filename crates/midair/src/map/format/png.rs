@@ -1,32 +1,134 @@
-//! PNG files of raw samples.
+//! PNG (and JPEG) files as samples, and maps in 16-bit PNG.
 
-use super::{FileError, write_atomically};
+use super::exr_channels::{MAX_PIXELS, check_size};
+use super::{FileError, LoadedMap, answer, covered, write_atomically};
+use crate::map::{Map, Status};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder};
+use image::metadata::Orientation;
+use image::{
+    DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageFormat, ImageReader,
+};
+use std::io::{Cursor, Write};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
+
+/// Decodes a PNG or JPEG file from memory, its EXIF orientation applied; with notes for the user.
+///
+/// # Errors
+/// [`FileError::Malformed`] where the bytes are cut short or damaged, or claim no or too many pixels.
+pub(crate) fn decode_samples(
+    path: &Path,
+    bytes: &[u8],
+    format: ImageFormat,
+) -> Result<(DynamicImage, Vec<String>), FileError> {
+    // Decoders meet damaged files here; a panic in one is an error in the file.
+    catch_unwind(AssertUnwindSafe(|| decode_unguarded(path, bytes, format))).unwrap_or_else(|_| {
+        Err(FileError::malformed(path, "pixels", "the data make no sense", "export it again"))
+    })
+}
+
+fn decode_unguarded(
+    path: &Path,
+    bytes: &[u8],
+    format: ImageFormat,
+) -> Result<(DynamicImage, Vec<String>), FileError> {
+    let kind = if format == ImageFormat::Png { "PNG" } else { "JPEG" };
+    let bad = |place: &str, error: image::ImageError| {
+        let remedy = match &error {
+            image::ImageError::IoError(_) => "it seems cut short: copy or export it again",
+            _ => "it seems damaged: export it again",
+        };
+        FileError::malformed(path, place, format!("{kind}: {error}"), remedy)
+    };
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    let mut limits = image::Limits::default();
+    limits.max_alloc = Some(MAX_PIXELS * 8);
+    reader.limits(limits);
+    let mut decoder = reader.into_decoder().map_err(|error| bad("header", error))?;
+    let (width, height) = decoder.dimensions();
+    check_size(path, u64::from(width), u64::from(height))?;
+    // Deflate packs at most 1032 bytes in one, and a palette's bit becomes three bytes; a JPEG
+    // block of 64 pixels takes bits, too. A larger claim is a cut or hostile file.
+    let least = decoder.total_bytes() / 32768;
+    if least > bytes.len() as u64 {
+        let problem =
+            format!("{kind}: {width} x {height} pixels cannot come from {} bytes", bytes.len());
+        let remedy = "it seems cut short: copy or export it again";
+        return Err(FileError::malformed(path, "header", problem, remedy));
+    }
+    let mut notes = Vec::new();
+    if matches!(decoder.icc_profile(), Ok(Some(_))) {
+        notes.push(format!(
+            "{}: its colour profile is ignored: the colours are taken as sRGB",
+            path.display()
+        ));
+    }
+    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    let mut image = DynamicImage::from_decoder(decoder).map_err(|error| bad("pixels", error))?;
+    image.apply_orientation(orientation);
+    Ok((image, notes))
+}
+
+/// Encodes samples in the machine's byte order as PNG.
+pub(crate) fn encode_png(
+    writer: impl Write,
+    path: &Path,
+    (width, height): (usize, usize),
+    bytes: &[u8],
+    colour: ExtendedColorType,
+) -> Result<(), FileError> {
+    let unfit = |problem: String| FileError::unsupported(path, problem, "give it another size");
+    let size = (u32::try_from(width).unwrap_or(0), u32::try_from(height).unwrap_or(0));
+    if size.0 == 0 || size.1 == 0 {
+        return Err(unfit(format!("a PNG of {width} x {height} pixels cannot be written")));
+    }
+    PngEncoder::new_with_quality(writer, CompressionType::Fast, FilterType::Adaptive)
+        .write_image(bytes, size.0, size.1, colour)
+        .map_err(|error| match error {
+            image::ImageError::IoError(error) => FileError::io(path, "write", error),
+            error => unfit(error.to_string()),
+        })
+}
 
 /// Writes samples in the machine's byte order as a PNG file.
 pub(crate) fn write_png(
     path: &Path,
-    width: usize,
-    height: usize,
+    size: (usize, usize),
     bytes: &[u8],
     colour: ExtendedColorType,
 ) -> Result<(), FileError> {
-    write_atomically(path, |writer| {
-        let encoder =
-            PngEncoder::new_with_quality(writer, CompressionType::Fast, FilterType::Adaptive);
-        let result = if width == 0 || height == 0 {
-            Err("the picture has no pixels".to_owned())
-        } else {
-            match encoder.write_image(bytes, width as u32, height as u32, colour) {
-                Ok(()) => Ok(()),
-                Err(image::ImageError::IoError(error)) => {
-                    return Err(FileError::io(path, "write", error));
-                }
-                Err(error) => Err(error.to_string()),
-            }
-        };
-        result.map_err(|problem| FileError::unsupported(path, problem, "give it a smaller size"))
-    })
+    write_atomically(path, |writer| encode_png(writer, path, size, bytes, colour))
+}
+
+/// R = u, G = v, B = 0, alpha = whether the pixel has an answer; 65535 is 1.
+pub(super) fn write_map_png(map: &Map, path: &Path) -> Result<(), FileError> {
+    let mut samples = Vec::with_capacity(map.uv.len() * 8);
+    for (uv, status) in map.uv.iter().zip(&map.status) {
+        let code = |x: f64| (x.clamp(0.0, 1.0) * 65535.0).round() as u16;
+        let [u, v] = answer(*uv).map_or([0; 2], |uv| uv.map(code));
+        let alpha = if covered(*status) { 65535u16 } else { 0 };
+        samples.extend([u, v, 0, alpha].map(u16::to_ne_bytes).as_flattened());
+    }
+    write_png(path, (map.width, map.height), &samples, ExtendedColorType::Rgba16)
+}
+
+pub(super) fn read_map_png(path: &Path, bytes: &[u8]) -> Result<LoadedMap, FileError> {
+    let (image, _) = decode_samples(path, bytes, ImageFormat::Png)?;
+    if image.color().bytes_per_pixel() / image.color().channel_count() < 2 {
+        let problem = "a map of 8 bits tells apart only 256 x 256 image points";
+        return Err(FileError::malformed(path, "header", problem, "export it with 16 bits"));
+    }
+    let image = image.into_rgba16();
+    let (width, height) = (image.width() as usize, image.height() as usize);
+    let pixels = image.as_raw().as_chunks::<4>().0.iter();
+    let (uv, status) = pixels
+        .map(|&[u, v, _, alpha]| match (alpha, u, v) {
+            (0, 0, 0) => ([f64::NAN; 2], Status::Outside),
+            _ => (
+                [f64::from(u) / 65535.0, f64::from(v) / 65535.0],
+                if alpha > 0 { Status::Ok } else { Status::Outside },
+            ),
+        })
+        .unzip();
+    Ok(LoadedMap::new(Map { width, height, uv, status, error_bound: f64::INFINITY }))
 }

@@ -1,0 +1,136 @@
+//! A map that goes on a little beyond the region that it covers.
+
+use super::Map;
+
+/// The map with `rings` pixels of extrapolated uv around the covered region: tools that interpolate between
+/// the map's pixels then show no jagged or dark edge. The statuses stay as they are, so that coverage is kept
+/// apart: an extrapolated pixel has uv and a status that says it has no answer of its own.
+///
+/// Ring by ring: each new pixel is the mean of the straight continuations through its neighbours, in
+/// those of the eight directions where two pixels in line are known, or else of the known neighbours. An
+/// affine map is continued exactly.
+pub fn bleed(map: &Map, rings: usize) -> Map {
+    let mut bled = map.clone();
+    let (width, height) = (map.width as isize, map.height as isize);
+    let known = |uv: &[[f64; 2]], x: isize, y: isize| -> Option<[f64; 2]> {
+        if !(0..width).contains(&x) || !(0..height).contains(&y) {
+            return None;
+        }
+        let uv = uv[(y * width + x) as usize];
+        uv.iter().all(|value| value.is_finite()).then_some(uv)
+    };
+    let around = || {
+        (-1..=1)
+            .flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)))
+            .filter(|&direction| direction != (0, 0))
+    };
+    // The pixels to look at next: those beside what is known.
+    let mut front: Vec<usize> = (0..bled.uv.len())
+        .filter(|&i| {
+            let (x, y) = (i as isize % width, i as isize / width);
+            known(&bled.uv, x, y).is_none()
+                && around().any(|(dx, dy)| known(&bled.uv, x + dx, y + dy).is_some())
+        })
+        .collect();
+    for _ in 0..rings {
+        let mut ring = Vec::with_capacity(front.len());
+        for &i in &front {
+            let (x, y) = (i as isize % width, i as isize / width);
+            let (mut straight, mut straights) = ([0.0; 2], 0.0);
+            let (mut near, mut nears) = ([0.0; 2], 0.0);
+            for (dx, dy) in around() {
+                let Some(first) = known(&bled.uv, x + dx, y + dy) else { continue };
+                (near, nears) = ([near[0] + first[0], near[1] + first[1]], nears + 1.0);
+                if let Some(second) = known(&bled.uv, x + 2 * dx, y + 2 * dy) {
+                    for axis in 0..2 {
+                        straight[axis] += 2.0 * first[axis] - second[axis];
+                    }
+                    straights += 1.0;
+                }
+            }
+            let (sum, count) = if straights > 0.0 { (straight, straights) } else { (near, nears) };
+            ring.push((i, sum.map(|value| value / count)));
+        }
+        for &(i, uv) in &ring {
+            bled.uv[i] = uv;
+        }
+        let mut next: Vec<usize> = ring
+            .iter()
+            .flat_map(|&(i, _)| {
+                let (x, y) = (i as isize % width, i as isize / width);
+                around().map(move |(dx, dy)| (x + dx, y + dy))
+            })
+            .filter(|&(x, y)| (0..width).contains(&x) && (0..height).contains(&y))
+            .map(|(x, y)| (y * width + x) as usize)
+            .filter(|&i| !bled.uv[i].iter().all(|value| value.is_finite()))
+            .collect();
+        next.sort_unstable();
+        next.dedup();
+        front = next;
+    }
+    bled
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::Status;
+
+    /// A map known in a disc only.
+    fn disc(size: usize, radius: f64, uv: impl Fn([f64; 2]) -> [f64; 2]) -> (Map, Map) {
+        let mut whole = Map::identity(size, size);
+        whole.uv.iter_mut().for_each(|st| *st = uv(*st));
+        let mut map = whole.clone();
+        for (i, st) in Map::identity(size, size).uv.iter().enumerate() {
+            if (st[0] - 0.5).hypot(st[1] - 0.5) > radius {
+                (map.uv[i], map.status[i]) = ([f64::NAN; 2], Status::Blocked);
+            }
+        }
+        (map, whole)
+    }
+
+    #[test]
+    fn an_affine_map_is_continued_exactly_for_as_many_rings_as_asked() {
+        let (map, whole) = disc(41, 0.25, |[s, t]| [0.1 + 0.7 * s - 0.2 * t, 0.3 * s + 0.5 * t]);
+        let bled = bleed(&map, 5);
+        assert_eq!(bled.status, map.status);
+        let on = |map: &Map, i: usize| map.uv[i][0].is_finite();
+        for i in 0..41 * 41 {
+            let (x, y) = ((i % 41) as i32, (i / 41) as i32);
+            // Within 5 steps of a king from the disc, and no further.
+            let reached = (0..41 * 41usize).any(|j| {
+                on(&map, j) && (x - (j % 41) as i32).abs().max((y - (j / 41) as i32).abs()) <= 5
+            });
+            assert_eq!(on(&bled, i), reached);
+            if reached {
+                // Roundings grow by at most 3 a ring: 3^5 of them.
+                assert!((0..2).all(|c| (bled.uv[i][c] - whole.uv[i][c]).abs() < 1e-13));
+            }
+        }
+    }
+
+    #[test]
+    fn a_curved_map_is_continued_to_second_order() {
+        let (map, whole) = disc(200, 0.3, |[s, t]| [s + 0.1 * s * t, t + 0.1 * s * s]);
+        let bled = bleed(&map, 3);
+        for i in 0..200 * 200 {
+            if bled.uv[i][0].is_finite() {
+                // A straight line leaves a curve of second derivative 0.2 by 0.2 (k / 200)^2 / 2 times
+                // k (k + 1) / 2 sums over k = 3 rings, doubled on diagonals.
+                assert!(
+                    (0..2).all(|c| (bled.uv[i][c] - whole.uv[i][c]).abs() < 6.0 * 2.0 * 0.2 / 4e4)
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_to_go_by_gives_nothing_and_lone_pixels_are_copied() {
+        let mut map = Map::identity(5, 5);
+        map.uv.fill([f64::NAN; 2]);
+        assert!(bleed(&map, 3).uv.iter().all(|uv| uv[0].is_nan()));
+        map.uv[12] = [0.25, 0.75];
+        assert!(bleed(&map, 2).uv.iter().all(|uv| *uv == [0.25, 0.75]));
+        assert!(bleed(&Map::identity(0, 0), 2).uv.is_empty());
+    }
+}

@@ -1,0 +1,177 @@
+//! MPCDI 2.0 (VESA), 2D profile: a zip of an XML description, a PFM and an alpha PNG.
+
+use super::exr_channels::{MAX_PIXELS, check_size};
+use super::png::encode_png;
+use super::{FileError, LoadedMap, answer, covered, decode_samples, write_atomically};
+use crate::map::{Map, Status};
+use image::{ExtendedColorType, ImageFormat};
+use std::io::{self, Cursor, Read, Write};
+use std::path::Path;
+use zip::write::SimpleFileOptions;
+use zip::{ZipArchive, ZipWriter};
+
+const DESCRIPTION: &str = "mpcdi.xml";
+
+pub(super) fn write(map: &Map, source: [usize; 2], path: &Path) -> Result<(), FileError> {
+    let mut alpha = Vec::new();
+    let cover: Vec<u8> =
+        map.status.iter().map(|&status| if covered(status) { 255 } else { 0 }).collect();
+    encode_png(&mut alpha, path, (map.width, map.height), &cover, ExtendedColorType::L8)?;
+    // A negative scale says little-endian. The rows run from the top, unlike other PFM files.
+    let mut warp = format!("PF\n{} {}\n-1.0\n", map.width, map.height).into_bytes();
+    for &uv in &map.uv {
+        let [x, y] = answer(uv).map_or([f32::NAN; 2], |[u, v]| [u as f32, (1.0 - v) as f32]);
+        warp.extend([x, y, 1.0].map(f32::to_le_bytes).as_flattened());
+    }
+    let description = describe(map, source);
+    write_atomically(path, |writer| {
+        let fill = || -> io::Result<()> {
+            let mut archive = ZipWriter::new(writer);
+            let options = SimpleFileOptions::default();
+            for (name, data) in [
+                (DESCRIPTION, description.as_bytes()),
+                ("region1.pfm", &warp),
+                ("region1_alpha.png", &alpha),
+            ] {
+                archive.start_file(name, options)?;
+                archive.write_all(data)?;
+            }
+            archive.finish()?;
+            Ok(())
+        };
+        fill().map_err(|error| FileError::io(path, "write", error))
+    })
+}
+
+fn describe(map: &Map, source: [usize; 2]) -> String {
+    let ([source_width, source_height], width, height) = (source, map.width, map.height);
+    format!(
+        r#"<?xml version="1.0" encoding="UTF-8"?>
+<MPCDI profile="2d" geometry="1" color="1" date="" version="2.0">
+  <display>
+    <buffer id="buffer1" Xresolution="{source_width}" Yresolution="{source_height}">
+      <region id="region1" Xresolution="{width}" Yresolution="{height}" x="0" y="0" xsize="1" ysize="1"/>
+    </buffer>
+  </display>
+  <files>
+    <fileset region="region1">
+      <geometryWarpFile>
+        <path>region1.pfm</path>
+        <interpolation>linear</interpolation>
+      </geometryWarpFile>
+      <alphaMap>
+        <path>region1_alpha.png</path>
+        <componentDepth>1</componentDepth>
+        <bitDepth>8</bitDepth>
+        <gammaEmbedded>1.0</gammaEmbedded>
+      </alphaMap>
+    </fileset>
+  </files>
+</MPCDI>
+"#
+    )
+}
+
+pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<LoadedMap, FileError> {
+    let remedy = "export the MPCDI file again";
+    let bad = |place: &str, problem: String| FileError::malformed(path, place, problem, remedy);
+    let mut archive =
+        ZipArchive::new(Cursor::new(bytes)).map_err(|error| bad("archive", error.to_string()))?;
+    let description = member(&mut archive, path, DESCRIPTION, 1 << 24)?;
+    let description =
+        String::from_utf8(description).map_err(|error| bad(DESCRIPTION, error.to_string()))?;
+    let document = roxmltree::Document::parse(&description)
+        .map_err(|error| bad(DESCRIPTION, error.to_string()))?;
+    let named = |tag: &str| {
+        let element = document.descendants().find(|node| node.has_tag_name(tag))?;
+        let file = element.children().find(|node| node.has_tag_name("path"))?;
+        file.text().map(|text| text.trim().to_owned())
+    };
+    let Some(warp_name) = named("geometryWarpFile") else {
+        return Err(bad(DESCRIPTION, "it names no geometryWarpFile".into()));
+    };
+    let warp = member(&mut archive, path, &warp_name, MAX_PIXELS * 12 + 256)?;
+    let (width, height, values) = parse_pfm(path, &warp_name, &warp)?;
+    let cover = match named("alphaMap") {
+        None => None,
+        Some(name) => {
+            let file = member(&mut archive, path, &name, MAX_PIXELS * 8)?;
+            let (image, _) = decode_samples(path, &file, ImageFormat::Png)?;
+            if (image.width() as usize, image.height() as usize) != (width, height) {
+                // A mask of another size is legal and says nothing about single pixels of the warp.
+                None
+            } else {
+                Some(image.into_luma8().into_raw())
+            }
+        }
+    };
+    let mut map =
+        Map { width, height, uv: Vec::new(), status: Vec::new(), error_bound: f64::INFINITY };
+    for (i, &[x, y, _]) in values.iter().enumerate() {
+        let uv = answer([f64::from(x), 1.0 - f64::from(y)]);
+        let shown = cover.as_ref().is_none_or(|cover| cover[i] > 0);
+        map.uv.push(uv.unwrap_or([f64::NAN; 2]));
+        map.status.push(if uv.is_some() && shown { Status::Ok } else { Status::Outside });
+    }
+    Ok(LoadedMap::new(map))
+}
+
+/// A file of the archive, of at most `limit` bytes.
+fn member(
+    archive: &mut ZipArchive<Cursor<&[u8]>>,
+    path: &Path,
+    name: &str,
+    limit: u64,
+) -> Result<Vec<u8>, FileError> {
+    let bad =
+        |problem: String| FileError::malformed(path, name, problem, "export the MPCDI file again");
+    let file = archive.by_name(name).map_err(|error| bad(error.to_string()))?;
+    let mut bytes = Vec::new();
+    file.take(limit + 1).read_to_end(&mut bytes).map_err(|error| bad(error.to_string()))?;
+    if bytes.len() as u64 > limit {
+        return Err(bad(format!("it unpacks to more than {limit} bytes")));
+    }
+    Ok(bytes)
+}
+
+/// Width, height and pixels of a three-channel PFM, first row first.
+fn parse_pfm(
+    path: &Path,
+    name: &str,
+    bytes: &[u8],
+) -> Result<(usize, usize, Vec<[f32; 3]>), FileError> {
+    let bad = |problem: String| {
+        FileError::malformed(path, name, problem, "export a three-channel PFM (PF)")
+    };
+    let mut at = 0;
+    let mut fields = Vec::new();
+    while fields.len() < 4 {
+        let skipped = bytes[at..].iter().take_while(|byte| byte.is_ascii_whitespace()).count();
+        at += skipped;
+        let length = bytes[at..].iter().take_while(|byte| !byte.is_ascii_whitespace()).count();
+        let field = std::str::from_utf8(&bytes[at..at + length.min(32)]).unwrap_or_default();
+        if field.is_empty() {
+            return Err(bad("its header ends early".into()));
+        }
+        fields.push(field);
+        at += length;
+    }
+    let (Ok(width), Ok(height), Ok(scale)) =
+        (fields[1].parse::<u64>(), fields[2].parse::<u64>(), fields[3].parse::<f64>())
+    else {
+        return Err(bad("its header has no width, height and scale".into()));
+    };
+    if fields[0] != "PF" {
+        return Err(bad(format!("it begins with {}, not with PF", fields[0])));
+    }
+    check_size(path, width, height)?;
+    let data = bytes.get(at + 1..).unwrap_or_default();
+    let needed = (width * height * 12) as usize;
+    if data.len() < needed {
+        return Err(bad(format!("{} of {needed} bytes are there", data.len())));
+    }
+    let convert = if scale < 0.0 { f32::from_le_bytes } else { f32::from_be_bytes };
+    let floats: Vec<f32> =
+        data[..needed].as_chunks::<4>().0.iter().map(|&bytes| convert(bytes)).collect();
+    Ok((width as usize, height as usize, floats.as_chunks::<3>().0.to_vec()))
+}

@@ -1,0 +1,107 @@
+//! Maps in OpenEXR files: STMap, Blender, TouchDesigner.
+
+use super::{FileError, LoadedMap, SampleKind, answer, covered, decode_channels, write_channels};
+use crate::map::{Map, Status};
+use std::path::Path;
+
+/// The channel that tells whether a pixel has an answer.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Cover {
+    /// A, where there is one.
+    A,
+    /// B, as Blender's Map UV node has it.
+    B,
+}
+
+pub(super) fn write(map: &Map, path: &Path, half: bool) -> Result<(), FileError> {
+    let uv = |axis: usize| {
+        map.uv.iter().map(|&uv| answer(uv).map_or(f32::NAN, |uv| uv[axis] as f32)).collect()
+    };
+    let ok = map.status.iter().map(|&status| f32::from(status == Status::Ok)).collect();
+    let status = map.status.iter().map(|&status| f32::from(status as u8)).collect();
+    let channels = vec![("R", uv(0)), ("G", uv(1)), ("A", ok), ("status", status)];
+    write_channels(path, map.width, map.height, channels, half)
+}
+
+/// u and v, 0 where there is none: these tools multiply by the mask, and NaN would survive that.
+fn masked(map: &Map, axis: usize) -> Vec<f32> {
+    map.uv.iter().map(|&uv| answer(uv).map_or(0.0, |uv| uv[axis] as f32)).collect()
+}
+
+fn cover(map: &Map) -> Vec<f32> {
+    map.status.iter().map(|&status| f32::from(covered(status))).collect()
+}
+
+pub(super) fn write_blender(map: &Map, path: &Path) -> Result<(), FileError> {
+    let channels = vec![("R", masked(map, 0)), ("G", masked(map, 1)), ("B", cover(map))];
+    write_channels(path, map.width, map.height, channels, false)
+}
+
+pub(super) fn write_touchdesigner(map: &Map, path: &Path) -> Result<(), FileError> {
+    let blue = vec![0.0; map.uv.len()];
+    let channels =
+        vec![("R", masked(map, 0)), ("G", masked(map, 1)), ("B", blue), ("A", cover(map))];
+    write_channels(path, map.width, map.height, channels, false)
+}
+
+pub(super) fn read(path: &Path, bytes: &[u8], cover: Cover) -> Result<LoadedMap, FileError> {
+    let file = decode_channels(path, bytes, f32::NAN)?;
+    let channel = |name: &str| {
+        file.get(name).ok_or_else(|| {
+            FileError::malformed(
+                path,
+                format!("channel {name}"),
+                format!("it is missing; the file has {}", file.names()),
+                "export u as R and v as G in the first layer",
+            )
+        })
+    };
+    let (u, v) = (channel("R")?, channel("G")?);
+    let mask = match cover {
+        Cover::A => file.get("A"),
+        Cover::B => Some(channel("B")?),
+    };
+    let told = file.get("status");
+    let mut map = Map {
+        width: file.width,
+        height: file.height,
+        uv: Vec::with_capacity(u.len()),
+        status: Vec::with_capacity(u.len()),
+        error_bound: f64::INFINITY,
+    };
+    for i in 0..u.len() {
+        let uv = [f64::from(u[i]), f64::from(v[i])];
+        let masked_out = mask.is_some_and(|mask| mask[i].is_nan() || mask[i] <= 0.0);
+        let status = match told {
+            Some(told) => Status::from_code(told[i]).ok_or_else(|| {
+                let place = format!("status of column {}, row {}", i % map.width, i / map.width);
+                let problem = format!("{} is none of 0, 1, 2, 3", told[i]);
+                FileError::malformed(path, place, problem, "leave the channel out or mend it")
+            })?,
+            None if masked_out || answer(uv).is_none() => Status::Outside,
+            None => Status::Ok,
+        };
+        // 0 under a mask of 0 is what tools write for want of a NaN.
+        let none = answer(uv).is_none() || (masked_out && told.is_none() && uv == [0.0; 2]);
+        if none && covered(status) {
+            let place = format!("column {}, row {}", i % map.width, i / map.width);
+            let problem = "its status is ok but it has no u and v";
+            return Err(FileError::malformed(path, place, problem, "export the map again"));
+        }
+        map.uv.push(if none { [f64::NAN; 2] } else { uv });
+        map.status.push(status);
+    }
+    let mut loaded = LoadedMap::new(map);
+    if file
+        .channels
+        .iter()
+        .any(|(name, kind, _)| matches!(name.as_str(), "R" | "G") && *kind == SampleKind::Half)
+    {
+        loaded.notes.push(format!(
+            "{}: its half floats place image points in steps of 1/2048 of the source; \
+             export 32-bit floats",
+            path.display()
+        ));
+    }
+    Ok(loaded)
+}

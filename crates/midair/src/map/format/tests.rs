@@ -1,0 +1,199 @@
+use super::*;
+use proptest::prelude::*;
+use std::io::Write as _;
+
+/// A bent map with every status.
+fn sample_map(width: usize, height: usize) -> Map {
+    let mut map = Map::identity(width, height);
+    for (i, uv) in map.uv.iter_mut().enumerate() {
+        *uv = [uv[0] * uv[0], (uv[1] + 0.1 * uv[0] * (1.0 - uv[0])).min(1.0)];
+        map.status[i] = match i % 7 {
+            3 => Status::Folded,
+            5 => Status::Outside,
+            6 => Status::Blocked,
+            _ => Status::Ok,
+        };
+        if i % 7 >= 5 {
+            *uv = [f64::NAN; 2];
+        }
+    }
+    map
+}
+
+const SOURCE: [usize; 2] = [640, 360];
+
+/// Largest distance between the maps' uv along each axis; they must agree on which pixels have any.
+fn distance(a: &Map, b: &Map) -> [f64; 2] {
+    assert_eq!((a.width, a.height, a.uv.len()), (b.width, b.height, b.uv.len()));
+    let mut worst = [0.0f64; 2];
+    for (i, (p, q)) in a.uv.iter().zip(&b.uv).enumerate() {
+        assert_eq!(p[0].is_nan(), q[0].is_nan(), "pixel {i}: {p:?} {q:?}");
+        if !p[0].is_nan() {
+            (0..2).for_each(|c| worst[c] = worst[c].max((p[c] - q[c]).abs()));
+        }
+    }
+    worst
+}
+
+#[test]
+fn every_format_comes_back_to_its_own_precision() {
+    let folder = tempfile::tempdir().unwrap();
+    let map = sample_map(37, 23);
+    for format in Format::all() {
+        let path = folder.path().join(format.file_name());
+        let written = write_map(&map, SOURCE, format, &path).unwrap();
+        assert!(written.files.iter().all(|file| file.is_file()), "{format}");
+        let read = read_map(&path, Some(format), Some(SOURCE)).unwrap();
+        let step = match format {
+            Format::Npy => [0.0; 2],
+            // Half a unit in the last place below 1.
+            Format::Exr | Format::Blender | Format::TouchDesigner => [2f64.powi(-25); 2],
+            Format::ExrHalf => [2f64.powi(-12); 2],
+            Format::Png16 | Format::TouchDesignerPng => [0.5 / 65535.0 + 1e-12; 2],
+            Format::Ffmpeg => [0.5 / 640.0 + 1e-12, 0.5 / 360.0 + 1e-12],
+            // Floats up to 640: half a unit in the last place is 2^-15 px.
+            Format::OpenCv | Format::OpenCvYaml => [2f64.powi(-15) / 360.0; 2],
+            // 1 - v is rounded below 1.
+            Format::Mpcdi => [2f64.powi(-25) + 1e-16; 2],
+        };
+        let worst = distance(&map, &read.map);
+        assert!(worst[0] <= step[0] && worst[1] <= step[1], "{format}: {worst:?} over {step:?}");
+        let full = matches!(format, Format::Exr | Format::ExrHalf | Format::Npy);
+        for (told, status) in read.map.status.iter().zip(&map.status) {
+            if full {
+                assert_eq!(told, status, "{format}");
+            } else {
+                assert_eq!(*told == Status::Ok, covered(*status), "{format}");
+            }
+        }
+        assert_eq!(format == Format::ExrHalf, read.notes.iter().any(|note| note.contains("half")));
+    }
+    // Nothing but the files: no temporary one is left.
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 11 + 3);
+}
+
+#[test]
+fn a_bled_ring_survives_with_its_coverage_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut map = Map::identity(20, 20);
+    for i in 0..400 {
+        if i % 20 < 6 {
+            (map.uv[i], map.status[i]) = ([f64::NAN; 2], Status::Outside);
+        }
+    }
+    let bled = crate::map::bleed(&map, 2);
+    for format in [Format::Exr, Format::Npy, Format::Png16, Format::Blender, Format::Mpcdi] {
+        let path = folder.path().join(format.file_name());
+        write_map(&bled, SOURCE, format, &path).unwrap();
+        let read = read_map(&path, Some(format), None).unwrap().map;
+        assert!(distance(&bled, &read).iter().all(|&d| d < 1e-5), "{format}");
+        assert_eq!(read.status, map.status, "{format}");
+    }
+}
+
+#[test]
+fn the_stmap_says_what_the_tools_expect() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("map.exr");
+    write_map(&Map::identity(4, 2), SOURCE, Format::Exr, &path).unwrap();
+    let file = decode_channels(&path, &std::fs::read(&path).unwrap(), 0.0).unwrap();
+    // Corner-based: (x + 0.5) / W, and the first row is the top one, v = (1.5) / 2.
+    assert_eq!(file.get("R").unwrap()[..4], [0.125, 0.375, 0.625, 0.875]);
+    assert_eq!(file.get("G").unwrap(), [0.75, 0.75, 0.75, 0.75, 0.25, 0.25, 0.25, 0.25]);
+    assert!(file.channels.iter().all(|channel| channel.1 == SampleKind::Float));
+    let map = sample_map(7, 1);
+    write_map(&map, SOURCE, Format::Exr, &path).unwrap();
+    let file = decode_channels(&path, &std::fs::read(&path).unwrap(), 0.0).unwrap();
+    assert_eq!(file.get("A").unwrap(), [1.0, 1.0, 1.0, 0.0, 1.0, 0.0, 0.0]);
+    assert_eq!(file.get("status").unwrap(), [0.0, 0.0, 0.0, 1.0, 0.0, 2.0, 3.0]);
+    assert!(file.get("R").unwrap()[5].is_nan());
+}
+
+#[test]
+fn absolute_formats_count_pixels_from_the_top_left() {
+    let folder = tempfile::tempdir().unwrap();
+    let map = Map::identity(4, 2);
+    let path = folder.path().join("m.pgm");
+    write_map(&map, [4, 2], Format::Ffmpeg, &path).unwrap();
+    let bytes = std::fs::read(folder.path().join("m_y.pgm")).unwrap();
+    assert_eq!(bytes, b"P5\n4 2\n65535\n\0\0\0\0\0\0\0\0\0\x01\0\x01\0\x01\0\x01");
+    let path = folder.path().join("m.npy");
+    write_map(&map, [4, 2], Format::OpenCv, &path).unwrap();
+    let (_, x) = npy::read_array(&folder.path().join("m_x.npy"), 2).unwrap();
+    assert_eq!(x, [0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0]);
+    let (_, y) = npy::read_array(&folder.path().join("m_y.npy"), 2).unwrap();
+    assert_eq!(y, [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0]);
+}
+
+#[test]
+fn what_is_wrong_is_said_with_file_place_and_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let check = |result: Result<LoadedMap, FileError>, words: &[&str]| {
+        let message = result.unwrap_err().to_string();
+        for word in words {
+            assert!(message.contains(word), "{message:?} lacks {word:?}");
+        }
+    };
+    check(read_map(&at("map.tiff"), None, None), &["map.tiff", "name the format"]);
+    check(read_map(&at("map.exr"), None, None), &["map.exr", "check the path"]);
+    let map = sample_map(8, 8);
+    write_map(&map, SOURCE, Format::Ffmpeg, &at("m.pgm")).unwrap();
+    check(read_map(&at("m.pgm"), None, None), &["m.pgm", "give the source's width"]);
+    let pgm = std::fs::read(at("m_x.pgm")).unwrap();
+    std::fs::write(at("m_x.pgm"), &pgm[..60]).unwrap();
+    check(read_map(&at("m.pgm"), None, Some(SOURCE)), &["m_x.pgm", "of 128 bytes"]);
+    std::fs::write(at("m_x.pgm"), "P5 4000000000 4000000000 65535 ").unwrap();
+    check(read_map(&at("m.pgm"), None, Some(SOURCE)), &["m_x.pgm", "over the limit"]);
+    image::RgbImage::new(4, 4).save(at("eight.png")).unwrap();
+    check(read_map(&at("eight.png"), None, None), &["eight.png", "16 bits"]);
+    write_map(&map, SOURCE, Format::Npy, &at("map.npy")).unwrap();
+    npy::write_array(&at("status.npy"), &[8, 8], std::iter::repeat_n(9u8, 64)).unwrap();
+    check(read_map(&at("map.npy"), None, None), &["status.npy", "column 0, row 0", "9"]);
+    npy::write_array(&at("status.npy"), &[4, 16], std::iter::repeat_n(0u8, 64)).unwrap();
+    check(read_map(&at("map.npy"), None, None), &["status.npy", "one map"]);
+    let header = b"\x93NUMPY\x01\0\x76\0{'descr': '<f8', 'fortran_order': False, 'shape': (9999, 9999, 2), }";
+    let mut huge = header.to_vec();
+    huge.resize(127, b' ');
+    huge.push(b'\n');
+    std::fs::File::create(at("huge.npy")).unwrap().write_all(&huge).unwrap();
+    check(read_map(&at("huge.npy"), None, None), &["huge.npy", "cut short"]);
+    let error = write_map(&map, [70000, 10], Format::Ffmpeg, &at("w.pgm")).unwrap_err();
+    assert!(error.to_string().contains("16 bits"));
+    assert!(write_map(&Map::identity(0, 4), SOURCE, Format::Exr, &at("e.exr")).is_err());
+    assert!(write_map(&map, [0, 4], Format::OpenCv, &at("e.npy")).is_err());
+    let nowhere = at("none/map.exr");
+    assert!(write_map(&map, SOURCE, Format::Exr, &nowhere).is_err());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn damaged_files_are_read_or_refused_but_never_panic(
+        which in 0usize..11,
+        cut in 0.0f64..=1.5,
+        changes in prop::collection::vec((0.0f64..1.0, any::<u8>()), 0..6),
+    ) {
+        let format = Format::all().nth(which).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(format.file_name());
+        let written = write_map(&sample_map(9, 5), [60, 40], format, &path).unwrap();
+        let mut bytes = std::fs::read(&written.files[0]).unwrap();
+        for (place, value) in changes {
+            let place = (place * bytes.len() as f64) as usize;
+            bytes[place] = value;
+        }
+        if cut < 1.0 {
+            bytes.truncate((bytes.len() as f64 * cut) as usize);
+        }
+        std::fs::write(&written.files[0], bytes).unwrap();
+        if let Ok(read) = read_map(&path, Some(format), Some([60, 40])) {
+            let map = read.map;
+            prop_assert_eq!(map.uv.len(), map.width * map.height);
+            for (uv, status) in map.uv.iter().zip(&map.status) {
+                prop_assert!(answer(*uv).is_some() || !covered(*status));
+            }
+        }
+    }
+}

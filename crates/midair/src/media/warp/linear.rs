@@ -1,0 +1,192 @@
+//! Warping sRGB frames in linear light: decoded to 15-bit light, interpolated, encoded again.
+//!
+//! A step of 15-bit light is at most a tenth of an 8-bit code (at black, where the curve is steepest).
+
+use super::taps::{CubicTables, ONE, Plan, Tap, WEIGHT_BITS, unpack};
+use crate::media::srgb;
+use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::LazyLock;
+
+/// White, in 15-bit light.
+const WHITE: i32 = 32767;
+
+/// Bits dropped between the horizontal and the vertical sums: white, overshot by a quarter each way (the most
+/// that cubic weights can), then stays below 2^31.
+const DROP: u32 = WEIGHT_BITS - 1;
+/// What is left to drop at the end.
+const LAST: u32 = 2 * WEIGHT_BITS - DROP;
+
+/// Codes to light: sRGB for colours, proportional for alpha.
+static DECODE: LazyLock<[[i16; 256]; 2]> = LazyLock::new(|| {
+    let fixed = |light: f32| (light * WHITE as f32).round() as i16;
+    [
+        std::array::from_fn(|code| fixed(srgb::decode_8(code as u8))),
+        std::array::from_fn(|code| fixed(code as f32 / 255.0)),
+    ]
+});
+
+/// Codes of 15-bit light, whose every value has a place.
+type Codes = [u8; WHITE as usize + 1];
+
+/// Light to codes.
+static ENCODE: LazyLock<[Box<Codes>; 2]> = LazyLock::new(|| {
+    let table = |code: fn(i32) -> u8| {
+        let mut table = Box::new([0; WHITE as usize + 1]);
+        table.iter_mut().zip(0..).for_each(|(entry, light)| *entry = code(light));
+        table
+    };
+    [
+        table(|light| srgb::encode_8(light as f32 / WHITE as f32)),
+        table(|light| ((light * 255 + WHITE / 2) / WHITE) as u8),
+    ]
+});
+
+/// Which of the two curves a channel has.
+fn curve(channel: usize) -> usize {
+    usize::from(channel == 3)
+}
+
+/// The light of a frame's pixels; the fourth channel is 0 in frames of three.
+pub(super) fn decode<const C: usize>(frame: &[u8], light: &mut Vec<[i16; 4]>) {
+    let tables = &*DECODE;
+    let pixels = frame.as_chunks::<C>().0;
+    pixels
+        .par_iter()
+        .with_min_len(1 << 14)
+        .map(|pixel| {
+            let mut light = [0; 4];
+            for c in 0..C {
+                light[c] = tables[curve(c)][usize::from(pixel[c])];
+            }
+            light
+        })
+        .collect_into_vec(light);
+}
+
+/// A run of output pixels.
+pub(super) struct Run<'a> {
+    pub(super) light: &'a [[i16; 4]],
+    pub(super) source: [usize; 2],
+    /// For cubic samples; bilinear ones need none.
+    pub(super) tables: Option<&'a CubicTables>,
+    pub(super) plan: &'a Plan,
+    pub(super) pixels: Range<usize>,
+}
+
+impl Run<'_> {
+    pub(super) fn warp<const C: usize>(self, output: &mut [u8]) {
+        #[cfg(target_arch = "x86_64")]
+        if std::arch::is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has AVX2; the function asks for nothing else.
+            return unsafe { self.warp_avx2::<C>(output) };
+        }
+        match self.tables {
+            Some(tables) => self.warp_plain::<C, true>(&tables.x, &tables.y, output),
+            None => self.warp_plain::<C, false>(&[], &[], output),
+        }
+    }
+
+    /// The same code, for the compiler to use wider instructions in.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn warp_avx2<const C: usize>(self, output: &mut [u8]) {
+        match self.tables {
+            Some(tables) => self.warp_plain::<C, true>(&tables.x, &tables.y, output),
+            None => self.warp_plain::<C, false>(&[], &[], output),
+        }
+    }
+
+    /// Written without closures: they would not share their caller's instruction set.
+    #[inline(always)]
+    fn warp_plain<const C: usize, const CUBIC: bool>(
+        &self,
+        table_x: &[[i32; 2]],
+        table_y: &[[i32; 2]],
+        output: &mut [u8],
+    ) {
+        let codes = &*ENCODE;
+        let (light, [width, height]) = (self.light, self.source);
+        for (index, target) in self.pixels.clone().zip(output.as_chunks_mut::<C>().0) {
+            let taps = self.plan.samples(index);
+            let mut value = [0i32; 4];
+            for tap in taps {
+                let sample = if CUBIC {
+                    let wx = unpack(table_x[usize::from(tap.x)]);
+                    let wy = unpack(table_y[usize::from(tap.y)]);
+                    weighted_sum(light, width, height, tap, wx, wy)
+                } else {
+                    let (fx, fy) = (i32::from(tap.x), i32::from(tap.y));
+                    weighted_sum(light, width, height, tap, [ONE - fx, fx], [ONE - fy, fy])
+                };
+                for c in 0..4 {
+                    value[c] += sample[c];
+                }
+            }
+            if taps.len() > 1 {
+                let count = taps.len() as i32;
+                for c in 0..4 {
+                    value[c] = (value[c] + count / 2) / count;
+                }
+            }
+            for c in 0..C {
+                // A mean of values from 0 to white is one; the mask only tells the compiler so.
+                target[c] = codes[curve(c)][(value[c] & WHITE) as usize];
+            }
+        }
+    }
+}
+
+/// The weighted sum of N x N pixels, held between black and white.
+#[inline(always)]
+fn weighted_sum<const N: usize>(
+    light: &[[i16; 4]],
+    width: usize,
+    height: usize,
+    tap: &Tap,
+    wx: [i32; N],
+    wy: [i32; N],
+) -> [i32; 4] {
+    let first = tap.pixel as usize;
+    let mut sum = [1i32 << (LAST - 1); 4];
+    // A source of fewer rows or columns has no weight on those that it lacks.
+    for j in 0..N.min(height) {
+        let start = first + j * width;
+        let mut across = [1i32 << (DROP - 1); 4];
+        if start + N <= light.len() {
+            let row = &light[start..start + N];
+            for i in 0..N {
+                for c in 0..4 {
+                    across[c] += i32::from(row[i][c]) * wx[i];
+                }
+            }
+        } else {
+            for i in 0..N.min(width) {
+                for c in 0..4 {
+                    across[c] += i32::from(light[start + i][c]) * wx[i];
+                }
+            }
+        }
+        for c in 0..4 {
+            sum[c] += (across[c] >> DROP) * wy[j];
+        }
+    }
+    for c in 0..4 {
+        sum[c] = (sum[c] >> LAST).clamp(0, WHITE);
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_code_survives() {
+        for c in 0..2 {
+            for code in 0..256 {
+                assert_eq!(usize::from(ENCODE[c][DECODE[c][code] as usize]), code);
+            }
+        }
+    }
+}

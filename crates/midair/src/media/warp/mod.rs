@@ -1,0 +1,196 @@
+//! Warping frames of 8-bit samples: the fixed part of a map computed once, then frame after frame.
+//!
+//! Fractions and weights are fixed-point numbers of 14 bits and the sums 32 bits wide, so that every
+//! sample is within 1/255 of the ideal one (half a code is its rounding, the rest far less). On x86-64 with
+//! AVX2, told at run time, the same integers are computed eight at a time; results are identical.
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+mod kernel;
+mod linear;
+mod taps;
+
+use crate::map::Map;
+use rayon::prelude::*;
+use std::ops::Range;
+use taps::{CubicTables, Plan};
+
+/// How a frame is sampled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Filter {
+    /// Bilinear interpolation at the pixel's centre: the fastest, what video tools do.
+    Bilinear,
+    /// The filter of [`display_image`](super::display_image): Catmull-Rom where the map magnifies,
+    /// averaged over the pixel's footprint where it minifies.
+    #[default]
+    Sharp,
+}
+
+/// Why a frame cannot be warped.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum WarpError {
+    /// A frame's bytes are not what its size says.
+    #[error(
+        "a frame of {width} x {height} pixels with {channels} channels has {expected} bytes, not {found}"
+    )]
+    FrameSize {
+        /// Pixels in a row.
+        width: usize,
+        /// Rows.
+        height: usize,
+        /// Samples of a pixel.
+        channels: usize,
+        /// The bytes that should be there.
+        expected: usize,
+        /// The bytes that are.
+        found: usize,
+    },
+    /// Only 3 and 4 channels are known.
+    #[error("frames of {0} channels cannot be warped: give 3 (RGB) or 4 (RGBA)")]
+    Channels(usize),
+    /// A source without pixels, or with more than 32-bit offsets reach.
+    #[error("a source of {0} x {1} pixels cannot be warped")]
+    Source(usize, usize),
+}
+
+/// A map made ready for the frames of one size.
+#[derive(Clone, Debug)]
+pub struct Warp {
+    width: usize,
+    height: usize,
+    source: [usize; 2],
+    plan: Plan,
+    /// For the sharp filter.
+    tables: Option<CubicTables>,
+}
+
+/// Output rows that a task of the thread pool takes at a time.
+const BAND: usize = 8;
+
+impl Warp {
+    /// Prepares `map` for source frames of `source` (width, height) pixels.
+    ///
+    /// # Errors
+    /// [`WarpError::Source`] for a source of no pixels or of more than 2^30.
+    pub fn new(map: &Map, source: [usize; 2], filter: Filter) -> Result<Self, WarpError> {
+        let pixels = source[0].checked_mul(source[1]);
+        if pixels.is_none_or(|n| n == 0 || n > 1 << 30) {
+            return Err(WarpError::Source(source[0], source[1]));
+        }
+        let plan = Plan::new(map, source, filter);
+        let tables = (filter == Filter::Sharp).then(|| CubicTables::new(source));
+        Ok(Self { width: map.width, height: map.height, source, plan, tables })
+    }
+
+    /// Width and height of the warped frame.
+    pub fn size(&self) -> [usize; 2] {
+        [self.width, self.height]
+    }
+
+    /// Warps one frame: `frame` holds the source's rows from the top, `channels` (3 or 4) bytes a pixel and no
+    /// padding; so will `output`. Pixels without an answer become 0 in every channel. The bytes are
+    /// interpolated as they are, in the frame's own encoding.
+    ///
+    /// # Errors
+    /// [`WarpError`] where the number of channels or bytes is wrong.
+    pub fn apply(&self, frame: &[u8], channels: usize, output: &mut [u8]) -> Result<(), WarpError> {
+        match channels {
+            3 => self.apply_channels::<3>(frame, output),
+            4 => self.apply_channels::<4>(frame, output),
+            other => Err(WarpError::Channels(other)),
+        }
+    }
+
+    /// Warps one sRGB frame in linear light, as [`display_image`](super::display_image) does; else as
+    /// [`apply`](Self::apply), alpha being proportional. `scratch` is working memory, to be kept from frame
+    /// to frame.
+    ///
+    /// # Errors
+    /// As [`apply`](Self::apply).
+    pub fn apply_in_linear_light(
+        &self,
+        frame: &[u8],
+        channels: usize,
+        scratch: &mut LinearScratch,
+        output: &mut [u8],
+    ) -> Result<(), WarpError> {
+        match channels {
+            3 => self.apply_linear::<3>(frame, &mut scratch.0, output),
+            4 => self.apply_linear::<4>(frame, &mut scratch.0, output),
+            other => Err(WarpError::Channels(other)),
+        }
+    }
+
+    fn apply_linear<const C: usize>(
+        &self,
+        frame: &[u8],
+        light: &mut Vec<[i16; 4]>,
+        output: &mut [u8],
+    ) -> Result<(), WarpError> {
+        check_frame::<C>(self.source[0], self.source[1], frame.len())?;
+        linear::decode::<C>(frame, light);
+        let (light, source, plan) = (&light[..], self.source, &self.plan);
+        self.each_span::<C>(output, |pixels, target| {
+            let tables = self.tables.as_ref();
+            linear::Run { light, source, tables, plan, pixels }.warp::<C>(target);
+        })
+    }
+
+    fn apply_channels<const C: usize>(
+        &self,
+        frame: &[u8],
+        output: &mut [u8],
+    ) -> Result<(), WarpError> {
+        check_frame::<C>(self.source[0], self.source[1], frame.len())?;
+        self.each_span::<C>(output, |pixels, target| match &self.tables {
+            Some(tables) => {
+                kernel::cubic::<C>(frame, self.source, tables, &self.plan, pixels, target);
+            }
+            None => kernel::bilinear::<C>(frame, self.source, self.plan.taps(pixels), target),
+        })
+    }
+
+    /// Has each covered run of output pixels (their numbers, their bytes) filled; the rest becomes 0.
+    fn each_span<const C: usize>(
+        &self,
+        output: &mut [u8],
+        fill: impl Fn(Range<usize>, &mut [u8]) + Sync,
+    ) -> Result<(), WarpError> {
+        check_frame::<C>(self.width, self.height, output.len())?;
+        let row_bytes = self.width * C;
+        if row_bytes == 0 {
+            return Ok(());
+        }
+        output.par_chunks_mut(row_bytes * BAND).enumerate().for_each(|(band, rows)| {
+            for (i, output) in rows.chunks_exact_mut(row_bytes).enumerate() {
+                let row = band * BAND + i;
+                let mut done = 0;
+                for span in self.plan.spans(row) {
+                    output[done * C..span.start * C].fill(0);
+                    let first = row * self.width;
+                    let target = &mut output[span.start * C..span.end * C];
+                    fill(first + span.start..first + span.end, target);
+                    done = span.end;
+                }
+                output[done * C..].fill(0);
+            }
+        });
+        Ok(())
+    }
+}
+
+/// Working memory of [`Warp::apply_in_linear_light`].
+#[derive(Clone, Debug, Default)]
+pub struct LinearScratch(Vec<[i16; 4]>);
+
+fn check_frame<const C: usize>(width: usize, height: usize, found: usize) -> Result<(), WarpError> {
+    let expected = width * height * C;
+    if found == expected {
+        Ok(())
+    } else {
+        Err(WarpError::FrameSize { width, height, channels: C, expected, found })
+    }
+}
+
+#[cfg(test)]
+mod tests;

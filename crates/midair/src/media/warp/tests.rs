@@ -1,0 +1,238 @@
+use super::*;
+use crate::map::Status;
+use crate::media::{Picture, display_image, srgb};
+use proptest::prelude::*;
+
+fn noise(width: usize, height: usize, channels: usize) -> Vec<u8> {
+    (0..(width * height * channels) as u32)
+        .map(|i| (i.wrapping_mul(2_654_435_761) ^ (i >> 3)).wrapping_mul(40_503).to_be_bytes()[0])
+        .collect()
+}
+
+fn bent_map(width: usize, height: usize) -> Map {
+    let mut map = Map::identity(width, height);
+    for i in 0..map.uv.len() {
+        let [s, t] = map.uv[i];
+        map.uv[i] = [s * s * (1.6 - 0.6 * s), t + 0.2 * (6.0 * s).sin() * t * (1.0 - t)];
+        if i % 13 == 5 || (s - 0.5).hypot(t - 0.4) < 0.1 {
+            (map.uv[i], map.status[i]) = ([f64::NAN; 2], Status::Blocked);
+        }
+    }
+    map
+}
+
+fn warp(map: &Map, source: [usize; 2], filter: Filter, frame: &[u8], channels: usize) -> Vec<u8> {
+    let warp = Warp::new(map, source, filter).unwrap();
+    let mut output = vec![77; map.width * map.height * channels];
+    warp.apply(frame, channels, &mut output).unwrap();
+    output
+}
+
+/// The ideal bilinear value, in double precision.
+fn bilinear(frame: &[u8], [w, h]: [usize; 2], channels: usize, uv: [f64; 2], c: usize) -> f64 {
+    let x = (uv[0] * w as f64 - 0.5).clamp(0.0, (w - 1) as f64);
+    let y = ((1.0 - uv[1]) * h as f64 - 0.5).clamp(0.0, (h - 1) as f64);
+    let (i, j) = (x as usize, y as usize);
+    let at =
+        |i: usize, j: usize| f64::from(frame[(j.min(h - 1) * w + i.min(w - 1)) * channels + c]);
+    let (fx, fy) = (x.fract(), y.fract());
+    (1.0 - fy) * ((1.0 - fx) * at(i, j) + fx * at(i + 1, j))
+        + fy * ((1.0 - fx) * at(i, j + 1) + fx * at(i + 1, j + 1))
+}
+
+#[test]
+fn the_identity_gives_the_frame_back() {
+    for (w, h) in [(64, 48), (37, 5), (4, 4), (3, 7), (1, 1), (2, 1), (1, 9), (5, 2)] {
+        for channels in [3, 4] {
+            for filter in [Filter::Bilinear, Filter::Sharp] {
+                let frame = noise(w, h, channels);
+                let back = warp(&Map::identity(w, h), [w, h], filter, &frame, channels);
+                assert_eq!(back, frame, "{w} x {h} x {channels} {filter:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn bilinear_is_the_ideal_value_rounded() {
+    for source in [[50, 41], [7, 3], [1, 6], [90, 2]] {
+        for channels in [3, 4] {
+            let (map, frame) = (bent_map(83, 59), noise(source[0], source[1], channels));
+            let result = warp(&map, source, Filter::Bilinear, &frame, channels);
+            for (i, &sample) in result.iter().enumerate() {
+                let uv = map.uv[i / channels];
+                if uv[0].is_nan() {
+                    assert_eq!(sample, 0);
+                    continue;
+                }
+                let ideal = bilinear(&frame, source, channels, uv, i % channels);
+                // Half a code of rounding; 14-bit fractions (255 / 2^15 each way) and the 7 dropped bits
+                // (1/128) add less than 0.03. The promise is 1.
+                assert!((f64::from(sample) - ideal).abs() < 0.53, "{sample} {ideal}");
+            }
+        }
+    }
+}
+
+#[test]
+fn sharp_is_the_filter_of_stills() {
+    // Source larger and smaller than the map: averaged and interpolated.
+    for source in [[150, 130], [40, 31], [3, 2]] {
+        let (map, mut frame) = (bent_map(64, 50), noise(source[0], source[1], 3));
+        // White somewhere: a still is clamped at its own largest value.
+        frame[..3].fill(255);
+        let result = warp(&map, source, Filter::Sharp, &frame, 3);
+        // The codes themselves as a picture.
+        let pixels = frame.as_chunks::<3>().0.iter();
+        let mut picture = Picture::filled(source[0], source[1], [0.0; 4]);
+        for (pixel, code) in picture.pixels.iter_mut().zip(pixels) {
+            *pixel = [code[0].into(), code[1].into(), code[2].into(), 255.0];
+        }
+        let still = display_image(&picture, &map);
+        for (i, pixel) in still.pixels.iter().enumerate() {
+            for c in 0..3 {
+                let (ours, ideal) = (f32::from(result[3 * i + c]), pixel[c]);
+                // Half a code of rounding, 0.16 each way for the 1/1024 px, 0.03 for dropped bits. The
+                // still clamps at the picture's own largest value, which noise of few pixels may keep under 255.
+                assert!((ours - ideal).abs() < 0.86, "{source:?} {i}: {ours} {ideal}");
+            }
+        }
+    }
+}
+
+#[test]
+fn in_linear_light_the_warp_is_the_display_image_of_a_still() {
+    for source in [[150, 130], [40, 31], [3, 2]] {
+        for channels in [3, 4] {
+            let (map, mut frame) = (bent_map(64, 50), noise(source[0], source[1], channels));
+            frame[..channels].fill(255);
+            let mut result = vec![77; 64 * 50 * channels];
+            let mut scratch = LinearScratch::default();
+            let warp = Warp::new(&map, source, Filter::Sharp).unwrap();
+            warp.apply_in_linear_light(&frame, channels, &mut scratch, &mut result).unwrap();
+            let mut picture = Picture::filled(source[0], source[1], [1.0; 4]);
+            for (pixel, code) in picture.pixels.iter_mut().zip(frame.chunks(channels)) {
+                (0..3).for_each(|c| pixel[c] = srgb::decode_8(code[c]));
+            }
+            let still = display_image(&picture, &map);
+            for (i, pixel) in still.pixels.iter().enumerate() {
+                for c in 0..3 {
+                    let ours = f64::from(srgb::decode_8(result[channels * i + c]));
+                    let ideal = f64::from(pixel[c]);
+                    // In light: the 1/1024 px (up to 2 * 1.25 / 2048 of white) and three steps of 15 bits;
+                    // encoded: rounding by half a code, whose light the curve's slope tells.
+                    let slope = srgb::encode_slope(ours.max(ideal)) * 255.0;
+                    let tolerance = 0.0013 + 3.0 / 32767.0 + 0.51 / slope;
+                    assert!((ours - ideal).abs() < tolerance, "{source:?} {i}: {ours} {ideal}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn in_linear_light_the_identity_gives_the_frame_back_and_a_mean_is_a_mean_of_light() {
+    let mut scratch = LinearScratch::default();
+    for (w, h) in [(37, 5), (1, 1), (3, 2), (16, 16)] {
+        for channels in [3, 4] {
+            for filter in [Filter::Bilinear, Filter::Sharp] {
+                let frame = noise(w, h, channels);
+                let warp = Warp::new(&Map::identity(w, h), [w, h], filter).unwrap();
+                let mut back = vec![77; frame.len()];
+                warp.apply_in_linear_light(&frame, channels, &mut scratch, &mut back).unwrap();
+                assert_eq!(back, frame, "{w} x {h} x {channels} {filter:?}");
+            }
+        }
+    }
+    // Half way between black and white is half the light, which sRGB encodes as 188; alpha is 128.
+    let mut map = Map::identity(1, 1);
+    map.uv[0] = [0.5, 0.5];
+    let warp = Warp::new(&map, [2, 1], Filter::Bilinear).unwrap();
+    let mut output = [0; 4];
+    let frame = [0, 0, 0, 0, 255, 255, 255, 255];
+    warp.apply_in_linear_light(&frame, 4, &mut scratch, &mut output).unwrap();
+    assert_eq!(output, [188, 188, 188, 128]);
+}
+
+#[test]
+fn a_constant_frame_stays_constant() {
+    for code in [0u8, 1, 127, 254, 255] {
+        for filter in [Filter::Bilinear, Filter::Sharp] {
+            let (map, frame) = (bent_map(64, 50), vec![code; 30 * 90 * 3]);
+            let result = warp(&map, [30, 90], filter, &frame, 3);
+            for (pixel, uv) in result.as_chunks::<3>().0.iter().zip(&map.uv) {
+                assert_eq!(*pixel, if uv[0].is_nan() { [0; 3] } else { [code; 3] });
+            }
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[test]
+fn vectors_and_plain_code_agree_to_the_bit() {
+    if !std::arch::is_x86_feature_detected!("avx2") {
+        println!("skipped: no AVX2");
+        return;
+    }
+    fn check<const C: usize>(source: [usize; 2]) {
+        let (map, frame) = (bent_map(83, 59), noise(source[0], source[1], C));
+        let count = 83 * 59;
+        let [mut fast, mut plain] = [vec![0; count * C], vec![0; count * C]];
+        // Holes have taps of their own here: samples of the first pixels, in both alike.
+        let plan = Plan::new(&map, source, Filter::Bilinear);
+        kernel::bilinear::<C>(&frame, source, plan.taps(0..count), &mut fast);
+        kernel::bilinear_plain::<C>(&frame, source, plan.taps(0..count), &mut plain);
+        assert_eq!(fast, plain);
+        let plan = Plan::new(&map, source, Filter::Sharp);
+        let tables = CubicTables::new(source);
+        for row in 0..59 {
+            for span in plan.spans(row) {
+                let pixels = row * 83 + span.start..row * 83 + span.end;
+                let bytes = pixels.start * C..pixels.end * C;
+                let (frame, range) = (&frame, bytes.clone());
+                kernel::cubic::<C>(frame, source, &tables, &plan, pixels.clone(), &mut fast[range]);
+                kernel::cubic_plain::<C>(frame, source, &tables, &plan, pixels, &mut plain[bytes]);
+            }
+        }
+        assert_eq!(fast, plain);
+    }
+    for source in [[50, 41], [150, 130], [4, 4]] {
+        check::<3>(source);
+        check::<4>(source);
+    }
+}
+
+#[test]
+fn frames_of_the_wrong_size_are_refused() {
+    let warp = Warp::new(&Map::identity(4, 4), [8, 8], Filter::Bilinear).unwrap();
+    let mut output = vec![0; 48];
+    let error = warp.apply(&[0; 10], 3, &mut output).unwrap_err();
+    assert!(error.to_string().contains("192 bytes, not 10"), "{error}");
+    assert_eq!(warp.apply(&[0; 64], 1, &mut output), Err(WarpError::Channels(1)));
+    assert!(warp.apply(&[0; 192], 3, &mut output[1..]).is_err());
+    assert!(Warp::new(&Map::identity(4, 4), [0, 8], Filter::Sharp).is_err());
+    assert!(Warp::new(&Map::identity(4, 4), [1 << 40, 1 << 40], Filter::Sharp).is_err());
+}
+
+proptest! {
+    #[test]
+    fn wild_maps_are_warped_without_a_fault(
+        uv in prop::collection::vec((-2.0f64..3.0, -2.0f64..3.0, 0u8..4), 30),
+        width in 1usize..12,
+        height in 1usize..12,
+    ) {
+        let mut map = Map::identity(6, 5);
+        for (target, (u, v, hole)) in map.uv.iter_mut().zip(uv) {
+            *target = if hole == 0 { [f64::NAN, v] } else { [u, v] };
+        }
+        for channels in [3, 4] {
+            let frame = noise(width, height, channels);
+            for filter in [Filter::Bilinear, Filter::Sharp] {
+                let result = warp(&map, [width, height], filter, &frame, channels);
+                for (pixel, uv) in result.chunks(channels).zip(&map.uv) {
+                    prop_assert!(!uv[0].is_nan() || pixel.iter().all(|&sample| sample == 0));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! Maps in the hands of the tools they are for: the tool's own output against the map's meaning.
+//!
+//! The tests skip themselves, with a note, where a tool is missing.
+
+use midair::map::format::{Format, read_map, write_map};
+use midair::map::{Map, Status};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const SOURCE: [usize; 2] = [61, 47];
+
+/// A Python that has cv2 and numpy: the workspace's own, or the system's.
+fn python() -> Option<PathBuf> {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../.venv/bin/python3");
+    let found = [own, PathBuf::from("python3")].into_iter().find(|python| {
+        let run = Command::new(python).args(["-c", "import cv2, numpy"]).output();
+        run.is_ok_and(|output| output.status.success())
+    });
+    if found.is_none() {
+        println!("skipped: no python3 with cv2 and numpy");
+    }
+    found
+}
+
+fn run(command: &mut Command) {
+    let output = command.output().unwrap();
+    assert!(
+        output.status.success(),
+        "{command:?}\n{}{}",
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    );
+}
+
+/// A map that bends, magnifies, minifies, reaches the source's edges and has holes.
+fn bent_map() -> Map {
+    let mut map = Map::identity(83, 59);
+    for i in 0..map.uv.len() {
+        let [s, t] = map.uv[i];
+        map.uv[i] = [s * s * (1.5 - 0.5 * s), t + 0.1 * (6.0 * s).sin() * t * (1.0 - t)];
+        if i % 11 == 5 || (s - 0.5).hypot(t - 0.4) < 0.1 {
+            (map.uv[i], map.status[i]) = ([f64::NAN; 2], Status::Blocked);
+        }
+    }
+    map
+}
+
+fn source_picture() -> image::RgbImage {
+    image::RgbImage::from_fn(SOURCE[0] as u32, SOURCE[1] as u32, |x, y| {
+        let code = (x + 61 * y).wrapping_mul(2_654_435_761);
+        image::Rgb([(code >> 24) as u8, (code >> 16) as u8, (code >> 8) as u8])
+    })
+}
+
+/// The source at an image point by bilinear interpolation, the edge going on beyond it.
+fn bilinear(source: &image::RgbImage, [u, v]: [f64; 2], channel: usize) -> f64 {
+    let (width, height) = (f64::from(source.width()), f64::from(source.height()));
+    let (x, y) = (u * width - 0.5, (1.0 - v) * height - 0.5);
+    let at = |x: f64, y: f64| {
+        let (x, y) = (x.clamp(0.0, width - 1.0), y.clamp(0.0, height - 1.0));
+        f64::from(source.get_pixel(x as u32, y as u32).0[channel])
+    };
+    let (i, j) = (x.floor(), y.floor());
+    let (fx, fy) = (x - i, y - j);
+    (1.0 - fy) * ((1.0 - fx) * at(i, j) + fx * at(i + 1.0, j))
+        + fy * ((1.0 - fx) * at(i, j + 1.0) + fx * at(i + 1.0, j + 1.0))
+}
+
+#[test]
+fn opencv_remaps_as_the_map_says() {
+    let Some(python) = python() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let source = source_picture();
+    source.save(at("source.png")).unwrap();
+    let script = "
+import cv2, numpy, sys
+folder = sys.argv[1] + '/'
+source = cv2.imread(folder + 'source.png').astype(numpy.float32)
+x, y = numpy.load(folder + 'm_x.npy'), numpy.load(folder + 'm_y.npy')
+assert x.dtype == y.dtype == numpy.float32
+storage = cv2.FileStorage(folder + 'm.yml', cv2.FILE_STORAGE_READ)
+for name, array in ('map1', x), ('map2', y):
+    assert numpy.array_equal(storage.getNode(name).mat(), array, equal_nan=True), name
+assert storage.getNode('source_width').real() == source.shape[1]
+result = cv2.remap(source, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+# In the codes of the map: an answer is wherever x is a number.
+result[numpy.isnan(x)] = 0
+cv2.imwrite(folder + 'result.png', numpy.rint(result * 257).astype(numpy.uint16))
+storage = cv2.FileStorage(folder + 'theirs.yml', cv2.FILE_STORAGE_WRITE)
+storage.write('map1', x); storage.write('map2', y); storage.release()
+";
+    for map in [bent_map(), Map::identity(SOURCE[0], SOURCE[1])] {
+        write_map(&map, SOURCE, Format::OpenCv, &at("m.npy")).unwrap();
+        write_map(&map, SOURCE, Format::OpenCvYaml, &at("m.yml")).unwrap();
+        run(Command::new(&python).args(["-c", script]).arg(folder.path()));
+        let result = image::open(at("result.png")).unwrap().into_rgb16();
+        // OpenCV's weights are multiples of 1/32 px: each coordinate is off by up to 1/64, and codes
+        // differ by up to 255 between neighbours. The identity has no fractions and must be exact.
+        let identity = map.width == SOURCE[0];
+        let tolerance = if identity { 0.0 } else { 2.0 * 255.0 / 64.0 };
+        for (i, uv) in map.uv.iter().enumerate() {
+            let pixel = result.get_pixel((i % map.width) as u32, (i / map.width) as u32);
+            for channel in 0..3 {
+                let theirs = f64::from(pixel.0[channel]) / 257.0;
+                let ours = if uv[0].is_nan() {
+                    0.0
+                } else if identity {
+                    f64::from(source.get_pixel((i % 61) as u32, (i / 61) as u32).0[channel])
+                } else {
+                    bilinear(&source, *uv, channel)
+                };
+                // One 16-bit step of the result file.
+                assert!((theirs - ours).abs() <= tolerance + 1.0 / 257.0, "{i}: {theirs} {ours}");
+            }
+        }
+        // And the other way round: what OpenCV writes is read.
+        let back = read_map(&at("theirs.yml"), None, Some(SOURCE)).unwrap().map;
+        for (told, uv) in back.uv.iter().zip(&map.uv) {
+            assert_eq!(told[0].is_nan(), uv[0].is_nan());
+            // OpenCV prints floats with 8 or 9 digits: below 100 px that is 1e-6 px.
+            assert!(uv[0].is_nan() || (0..2).all(|c| (told[c] - uv[c]).abs() < 1e-6 / 47.0 * 4.0));
+        }
+    }
+}
+
+#[test]
+fn numpy_reads_the_arrays_as_documented() {
+    let Some(python) = python() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    write_map(&bent_map(), SOURCE, Format::Npy, &folder.path().join("map.npy")).unwrap();
+    let script = "
+import numpy, sys
+uv, status = numpy.load(sys.argv[1] + '/map.npy'), numpy.load(sys.argv[1] + '/status.npy')
+assert uv.shape == (59, 83, 2) and uv.dtype == numpy.float64, (uv.shape, uv.dtype)
+assert status.shape == (59, 83) and status.dtype == numpy.uint8
+assert numpy.array_equal(numpy.isnan(uv[..., 0]), status >= 2)
+assert uv[0, 40, 1] > uv[-1, 40, 1]
+";
+    run(Command::new(&python).args(["-c", script]).arg(folder.path()));
+}
+
+#[test]
+fn ffmpeg_remaps_as_the_map_says() {
+    if Command::new("ffmpeg").arg("-version").output().is_err() {
+        println!("skipped: no ffmpeg");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let source = source_picture();
+    source.save(at("source.png")).unwrap();
+    for map in [bent_map(), Map::identity(SOURCE[0], SOURCE[1])] {
+        write_map(&map, SOURCE, Format::Ffmpeg, &at("m.pgm")).unwrap();
+        run(Command::new("ffmpeg")
+            .args(["-v", "error", "-y", "-i"])
+            .arg(at("source.png"))
+            .arg("-i")
+            .arg(at("m_x.pgm"))
+            .arg("-i")
+            .arg(at("m_y.pgm"))
+            .args(["-lavfi", "remap=fill=black", "-pix_fmt", "rgb24"])
+            .arg(at("result.png")));
+        let result = image::open(at("result.png")).unwrap().into_rgb8();
+        assert_eq!((result.width() as usize, result.height() as usize), (map.width, map.height));
+        for (i, uv) in map.uv.iter().enumerate() {
+            let theirs = *result.get_pixel((i % map.width) as u32, (i / map.width) as u32);
+            let ours = if uv[0].is_nan() {
+                image::Rgb([0; 3])
+            } else {
+                // The source pixel that holds the point.
+                let column = (uv[0] * 61.0) as u32;
+                let row = ((1.0 - uv[1]) * 47.0) as u32;
+                *source.get_pixel(column.min(60), row.min(46))
+            };
+            assert_eq!(theirs, ours, "pixel {i}");
+        }
+    }
+}
