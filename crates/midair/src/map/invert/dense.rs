@@ -15,10 +15,9 @@ const SIDE: f64 = 2.0;
 /// Rows of cells that one thread takes at a time.
 const BAND: usize = 8;
 
-/// A cell that is not smooth is quartered this often: to half a pixel.
+/// A cell that is not smooth is quartered this often: to half a pixel. What lies between its corners then is less than a
+/// pixel of the image; a scanned mesh, whose bumps fold the image a hundredfold, is left at that.
 const FINE: usize = 2;
-/// And while its light still spreads over more than two pixels of the display, this often.
-const FINEST: usize = 6;
 /// Newton steps: from a guess that is good to a fraction of a cell three do, and over creases five.
 const FEW: usize = 6;
 
@@ -67,8 +66,7 @@ fn solve_cell(
     if let Some(st) = smooth(corners) {
         return solve_smooth(setup, raster, cell, corners[0], st, points);
     }
-    let spread = (0..2).any(|axis| (bounds[1][axis] - bounds[0][axis]) * raster.size(axis) > 2.0);
-    if depth < FINE || (spread && depth < FINEST) {
+    if depth < FINE {
         let middle =
             |a: usize, b: usize| [0, 1].map(|k| 0.5 * (corners[a].uv[k] + corners[b].uv[k]));
         let [bottom, left, centre, right, top] =
