@@ -157,7 +157,7 @@ fn arbitrary_solid() -> impl Strategy<Value = Shape> {
 }
 
 prop_compose! {
-    fn arbitrary_setup()(
+    pub(crate) fn arbitrary_setup()(
         shape in arbitrary_solid(),
         index in 1.2..1.9f64,
         position in prop::array::uniform3(-5.0..5.0f64),
@@ -313,7 +313,11 @@ proptest! {
 
 /// A finely tessellated ball, smooth normals: 0.5 degrees between vertices.
 pub(crate) fn ball_mesh(radius: f64, smooth: bool) -> MeshSurface {
-    let (stacks, slices) = (180usize, 360usize);
+    ball_mesh_of(radius, smooth, 180, 360)
+}
+
+/// A ball of so many stacks from pole to pole and slices around.
+pub(crate) fn ball_mesh_of(radius: f64, smooth: bool, stacks: usize, slices: usize) -> MeshSurface {
     let mut positions = vec![Vec3::new(0.0, radius, 0.0)];
     for i in 1..stacks {
         let polar = std::f64::consts::PI * i as f64 / stacks as f64;

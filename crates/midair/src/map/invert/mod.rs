@@ -16,6 +16,8 @@ mod patch;
 mod pixels;
 mod plan;
 mod survey;
+#[cfg(test)]
+mod tests;
 
 use cell::Cell;
 use fill::fill;

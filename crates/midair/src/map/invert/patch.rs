@@ -69,16 +69,20 @@ impl Patch {
         }
         let chebyshev = chebyshev_coefficients(&values, n);
         let tail = tail_bound(&chebyshev, n);
+        // Seen through a mesh F is creased along the triangles' edges: what lies between the samples may err by several times
+        // as much as they do, and the bound that is asked for is the wider one.
+        let seamless = path.iter().any(|step| step.seamless);
+        let (tolerance, safety) = if seamless { (8.0 * tolerance, 4.0) } else { (tolerance, 2.0) };
         // Rows and columns of the highest degree are what a lower one would have left out.
         if !(tail < 50.0 * tolerance) {
             return None;
         }
         let coefficients = monomials(&chebyshev, n);
         let mut patch = Self { cell, rect, blocked: false, error: 0.0, degree, coefficients };
-        let checked = patch.check(setup, path, place)?;
+        let checked = patch.check(setup, path, seamless, place)?;
         // Twice the worst of the sampled residuals covers what lies between the samples, which sit near the error's
         // extremes: between the nodes.
-        patch.error = 2.0 * checked;
+        patch.error = safety * checked;
         (patch.error <= tolerance).then_some(patch)
     }
 
@@ -87,16 +91,18 @@ impl Patch {
         &self,
         setup: &Setup,
         path: &mut [Step],
+        everywhere: bool,
         place: impl Fn(f64, f64) -> [f64; 2],
     ) -> Option<f64> {
         let n = self.degree + 1;
         // Extremes of the Chebyshev polynomial T_n: where the interpolation errs most.
-        let extremes = [0, 1, n / 3, n / 2, n - 1, n];
+        let extremes: Vec<usize> =
+            if everywhere { (0..=n).collect() } else { vec![0, 1, n / 3, n / 2, n - 1, n] };
         let mut worst = 0.0f64;
         for (i, &a) in extremes.iter().enumerate() {
             for (j, &b) in extremes.iter().enumerate() {
                 // The outer ring and every other inner point.
-                if (i + j) % 2 == 1 {
+                if !everywhere && (i + j) % 2 == 1 {
                     continue;
                 }
                 let [s, t] = [a, b].map(|k| (std::f64::consts::PI * k as f64 / n as f64).cos());

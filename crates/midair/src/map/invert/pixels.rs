@@ -142,7 +142,6 @@ impl Spread {
         let nearest =
             |x: f64, n: usize| ((x * n as f64 - 0.5).round().max(0.0) as usize).min(n - 1);
         let start = (nearest(st[0], raster.width), nearest(1.0 - st[1], raster.height));
-        let around = 0.5 * cell.extent();
         let mut queue = vec![(start, seed.uv, seed.path.clone())];
         while let Some((pixel, guess, mut path)) = queue.pop() {
             if self.visited.contains(&pixel) {
@@ -154,6 +153,11 @@ impl Spread {
                 continue;
             }
             self.visited.insert(pixel);
+            // Half a cell, and one pixel: cells may be smaller than those.
+            let pixel_step = [[1.0 / raster.size(0), 0.0], [0.0, 1.0 / raster.size(1)]]
+                .map(|step| apply_inverse(solution.jacobian, step))
+                .map(|[u, v]| u.abs().max(v.abs()));
+            let around = 0.5 * cell.extent() + pixel_step[0].max(pixel_step[1]);
             if !cell.holds(solution.uv, around) {
                 continue;
             }

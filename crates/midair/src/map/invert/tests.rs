@@ -1,0 +1,278 @@
+//! The map against a solver that shares nothing with it but the tracing of single rays: no derivatives, no sheets, no
+//! cells.
+
+use super::*;
+use crate::geometry::{Shape, Sheet};
+use crate::map::{Status, pixel_centre};
+use crate::transport::bench_setup::{ACRYLIC, block, cone, cylinder, element, setup, sphere};
+use crate::transport::tests::{arbitrary_setup, ball_mesh};
+use crate::transport::{Matter, Path};
+use proptest::prelude::*;
+use std::sync::Arc;
+
+/// The bound: a hundredth of a pixel of 1024.
+const BOUND: f64 = 0.01 / 1024.0;
+
+/// F by tracing, only where the light really forms the image.
+fn trace(setup: &Setup, uv: [f64; 2]) -> Option<[f64; 2]> {
+    setup.transport(uv, &mut Path::new()).formed()
+}
+
+/// A root of F(uv) = st by Broyden's method (1965), from finite differences at the start.
+fn broyden(setup: &Setup, st: [f64; 2], start: [f64; 2]) -> Option<[f64; 2]> {
+    let residual = |uv: [f64; 2]| {
+        setup.transport(uv, &mut Path::new()).st().map(|at| [at[0] - st[0], at[1] - st[1]])
+    };
+    let h = 1e-7;
+    let mut uv = start;
+    let mut f = residual(uv)?;
+    let dx = residual([uv[0] + h, uv[1]])?;
+    let dy = residual([uv[0], uv[1] + h])?;
+    let mut jacobian =
+        [[(dx[0] - f[0]) / h, (dy[0] - f[0]) / h], [(dx[1] - f[1]) / h, (dy[1] - f[1]) / h]];
+    for _ in 0..60 {
+        let [[a, b], [c, d]] = jacobian;
+        let determinant = a * d - b * c;
+        let step = [(b * f[1] - d * f[0]) / determinant, (c * f[0] - a * f[1]) / determinant];
+        if !(step[0].hypot(step[1]) < 1.0) {
+            return None;
+        }
+        uv = [uv[0] + step[0], uv[1] + step[1]];
+        f = residual(uv)?;
+        if step[0].hypot(step[1]) < 1e-13 || f[0].hypot(f[1]) < 1e-15 {
+            return (f[0].hypot(f[1]) < 1e-11).then_some(uv);
+        }
+        let squared = step[0] * step[0] + step[1] * step[1];
+        for row in 0..2 {
+            for column in 0..2 {
+                jacobian[row][column] += f[row] * step[column] / squared;
+            }
+        }
+    }
+    None
+}
+
+/// What a pixel's status is, by brute force: from traced samples that fall near the pixel, all roots.
+struct Truth {
+    roots: Vec<Vec<[f64; 2]>>,
+    width: usize,
+    height: usize,
+}
+
+impl Truth {
+    fn find(setup: &Setup, width: usize, height: usize) -> Self {
+        const SAMPLES: usize = 500;
+        let mut near: Vec<Vec<[f64; 2]>> = vec![Vec::new(); width * height];
+        for index in 0..SAMPLES * SAMPLES {
+            let uv = pixel_centre(index % SAMPLES, index / SAMPLES, SAMPLES, SAMPLES);
+            if let Some([s, t]) = trace(setup, uv) {
+                let x = ((s * width as f64) as usize).min(width - 1);
+                let y = (((1.0 - t) * height as f64) as usize).min(height - 1);
+                near[y * width + x].push(uv);
+            }
+        }
+        let roots = near
+            .iter()
+            .enumerate()
+            .map(|(index, starts)| {
+                let st = pixel_centre(index % width, index / width, width, height);
+                let mut roots: Vec<[f64; 2]> = Vec::new();
+                for start in starts.iter().step_by((starts.len() / 10).max(1)) {
+                    if let Some(uv) = broyden(setup, st, *start)
+                        && uv.iter().all(|c| (0.0..=1.0).contains(c))
+                        && trace(setup, uv).is_some()
+                        && !roots.iter().any(|r| (r[0] - uv[0]).hypot(r[1] - uv[1]) < 1e-6)
+                    {
+                        roots.push(uv);
+                    }
+                }
+                roots
+            })
+            .collect();
+        Self { roots, width, height }
+    }
+
+    fn count(&self, x: usize, y: usize) -> usize {
+        self.roots[y * self.width + x].len().min(2)
+    }
+
+    /// Whether a pixel lies within one pixel of a border between regions of different numbers of roots.
+    fn near_border(&self, x: usize, y: usize) -> bool {
+        let around = |k: usize, n: usize| k.saturating_sub(1)..(k + 2).min(n);
+        around(y, self.height)
+            .any(|j| around(x, self.width).any(|i| self.count(i, j) != self.count(x, y)))
+    }
+}
+
+/// Checks a whole map: every ok pixel is exact, every folded one is one of its roots, every status is right off the
+/// borders.
+fn check(setup: &Setup, width: usize, height: usize) -> Result<Map, TestCaseError> {
+    let mut map = Map::unanswered(width, height);
+    invert_into(setup, Accuracy::default(), &mut map);
+    prop_assert!(map.error_bound <= BOUND, "bound {}", map.error_bound);
+    let truth = Truth::find(setup, width, height);
+    for (index, (uv, status)) in map.uv.iter().zip(&map.status).enumerate() {
+        let (x, y) = (index % width, index / width);
+        let count = match status {
+            Status::Ok => 1,
+            Status::Folded => 2,
+            Status::Outside | Status::Blocked => 0,
+        };
+        prop_assert_eq!(
+            count == 0,
+            uv[0].is_nan(),
+            "an answer where there is none, at {:?}",
+            (x, y)
+        );
+        if count != truth.count(x, y) {
+            prop_assert!(
+                truth.near_border(x, y),
+                "pixel {:?} is {:?}, but has the roots {:?}",
+                (x, y),
+                status,
+                truth.roots[index]
+            );
+        } else if count > 0 {
+            let off = |r: &[f64; 2]| (r[0] - uv[0]).hypot(r[1] - uv[1]);
+            let nearest = truth.roots[index].iter().map(off).fold(f64::INFINITY, f64::min);
+            prop_assert!(
+                nearest <= map.error_bound.max(1e-10),
+                "pixel {:?} is off by {}",
+                (x, y),
+                nearest
+            );
+        }
+    }
+    Ok(map)
+}
+
+fn passes(setup: &Setup) -> Map {
+    check(setup, 72, 64).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn of(map: &Map, status: Status) -> usize {
+    map.status.iter().filter(|s| **s == status).count()
+}
+
+#[test]
+fn the_papers_solids_are_inverted() {
+    let ball = passes(&setup(20.0, vec![element(sphere(25.0), ACRYLIC, [0.0; 3], [0.0; 3], 0)]));
+    assert_eq!(of(&ball, Status::Ok), 72 * 64);
+    let turned = [0.0, 15.8, 0.0];
+    passes(&setup(30.0, vec![element(block(50.0, 50.0, 50.0), ACRYLIC, [0.0; 3], turned, 0)]));
+    passes(&setup(60.0, vec![element(cylinder(50.0, 100.0), ACRYLIC, [0.0; 3], [0.0; 3], 0)]));
+}
+
+#[test]
+fn borders_edges_and_folds_are_told_apart() {
+    // A cube seen over its edge, an image wider than the ball, a cone's tip, a ball before a mirror.
+    passes(&setup(
+        60.0,
+        vec![element(block(50.0, 50.0, 50.0), ACRYLIC, [0.0; 3], [0.0, 40.0, 0.0], 0)],
+    ));
+    let wide = passes(&setup(60.0, vec![element(sphere(25.0), ACRYLIC, [0.0; 3], [0.0; 3], 0)]));
+    assert!(of(&wide, Status::Folded) > 500, "light beside the ball and through it meet");
+    passes(&setup(
+        50.0,
+        vec![element(cone(25.0, 0.0, 60.0), ACRYLIC, [0.0; 3], [10.0, 0.0, 20.0], 0)],
+    ));
+    // A cylinder far before the image is a strong lens: it folds by itself.
+    passes(&setup(
+        40.0,
+        vec![element(cylinder(20.0, 120.0), ACRYLIC, [0.0, 0.0, 90.0], [0.0; 3], 0)],
+    ));
+}
+
+#[test]
+fn a_small_plate_blocks_pixels() {
+    let mut small = setup(40.0, vec![]);
+    small.plate.size = [20.0, 300.0];
+    let mut map = Map::unanswered(64, 64);
+    invert_into(&small, Accuracy::default(), &mut map);
+    // By hand: the plate's crossing lies 150 mm behind the image, where 800 mm before it the eye sees 20 mm as 20 / 950 * 800
+    // = 16.84 of the image's 40.
+    let ok = of(&map, Status::Ok) as f64 / (64.0 * 64.0);
+    // A pixel's column more or less at either edge.
+    assert!((ok - 16.84 / 40.0).abs() < 2.0 / 64.0, "{ok}");
+    assert_eq!(of(&map, Status::Ok) + of(&map, Status::Blocked), 64 * 64);
+}
+
+#[test]
+fn meshes_are_inverted_to_the_bound_too() {
+    let shape = Shape::Mesh(Arc::new(ball_mesh(25.0, true)));
+    let smooth = setup(20.0, vec![element(shape, ACRYLIC, [0.0; 3], [20.0, 30.0, 10.0], 0)]);
+    let map = passes(&smooth);
+    assert_eq!(of(&map, Status::Ok), 72 * 64);
+}
+
+#[test]
+fn dense_cells_answer_every_pixel_of_a_coarse_mesh() {
+    // Few large triangles with smooth normals: creases that no patch crosses.
+    let ball = crate::transport::tests::ball_mesh_of(25.0, true, 12, 24);
+    let shape = Shape::Mesh(Arc::new(ball));
+    let coarse = setup(20.0, vec![element(shape, ACRYLIC, [0.0; 3], [20.0, 30.0, 10.0], 0)]);
+    passes(&coarse);
+}
+
+fn arbitrary_mirror() -> impl Strategy<Value = Setup> {
+    (300.0..900.0f64, any::<bool>(), any::<bool>(), -5.0..5.0f64).prop_map(
+        |(radius, convex, ball, turn)| {
+            let centre = if convex { -radius } else { radius };
+            let sheet = if ball {
+                Sheet::Sphere { centre, rim: 80.0 }
+            } else {
+                Sheet::Cylinder { centre, half_angle: 80.0 / radius, half_height: 80.0 }
+            };
+            // Light from the viewer comes down at 45 degrees, leaves level, and meets the plate.
+            let mirror = Matter::Mirror { reflectance: [1.0; 3] };
+            let mut setup = setup(
+                30.0,
+                vec![element(
+                    Shape::Sheet(sheet),
+                    mirror,
+                    [0.0, -25.0, 0.0],
+                    [-90.0, 0.0, turn],
+                    0,
+                )],
+            );
+            setup.viewpoint = crate::geometry::Vec3::new(0.0, 400.0, 690.0);
+            setup.plate.frame = crate::geometry::Frame::new(
+                crate::geometry::Vec3::new(0.0, -100.0, -200.0),
+                [0.0; 3],
+            );
+            let behind = |p: crate::geometry::Vec3| setup.plate.mirrored(p);
+            // The display stands at the plate-mirrored place of the image's mirror image in y = -25.
+            let origin = behind(crate::geometry::Vec3::new(0.0, -50.0, 0.0));
+            let up = crate::geometry::Vec3::new(0.0, -1.0, 0.0);
+            let normal = crate::geometry::Vec3::new(0.0, 0.0, 1.0);
+            setup.display.frame =
+                crate::geometry::Frame { origin, axes: [up.cross(normal), up, normal] };
+            setup
+        },
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+
+    #[test]
+    fn random_solids_are_inverted(setup in arbitrary_setup()) {
+        check(&setup, 40, 36)?;
+    }
+
+    #[test]
+    fn random_mirrors_are_inverted(setup in arbitrary_mirror()) {
+        let map = check(&setup, 40, 36)?;
+        prop_assert!(of(&map, Status::Ok) > 0, "the set-up forms nothing");
+    }
+
+    #[test]
+    fn nested_solids_are_inverted(inner in 10.0..20.0f64, x in -5.0..5.0f64, index in 1.0..1.4f64) {
+        let water = Matter::Refractive { index, absorption: [0.0; 3] };
+        let setup = setup(24.0, vec![
+            element(cylinder(25.0, 80.0), ACRYLIC, [0.0; 3], [0.0; 3], 0),
+            element(sphere(inner), water, [x, 0.0, 0.0], [0.0; 3], 1),
+        ]);
+        check(&setup, 40, 36)?;
+    }
+}
