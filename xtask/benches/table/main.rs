@@ -27,8 +27,8 @@ fn main() -> Outcome<()> {
         return memory::watch(&arguments[at + 1..]);
     }
     let sizes = if has("--quick") { Sizes::QUICK } else { Sizes::FULL };
-    let mut rows = rows::all(&sizes)?;
     if let Some(name) = value(memory::ONCE) {
+        let rows = rows::of_midair(&sizes);
         return match rows.into_iter().find(|row| row.name == name) {
             Some(row) => row.prepare().map(|mut work| drop(work())),
             None => Err(format!("no row `{name}`").into()),
@@ -38,6 +38,8 @@ fn main() -> Outcome<()> {
     if !has("--bench") {
         return Ok(());
     }
+    let mut rows = rows::of_midair(&sizes);
+    rows.extend(mitsuba::rows(&sizes));
     if let Some(only) = value("--only") {
         rows.retain(|row| row.name.contains(&only));
     }

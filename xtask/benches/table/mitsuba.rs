@@ -1,6 +1,6 @@
 //! Mitsuba 3 as a peer: the paper's scatter in one fused kernel, in a Python process that lives through the run.
 
-use super::rows::{Done, Work};
+use super::rows::{Done, Row, Sizes, Work};
 use super::{Outcome, set_ups};
 use midair::geometry::{Rectangle, Vec3};
 use midair::transport::Setup;
@@ -17,8 +17,27 @@ fn script() -> PathBuf {
     set_ups::root().join("xtask/peers/mitsuba_sphere.py")
 }
 
+/// Its rows, if it works here.
+pub fn rows(sizes: &Sizes) -> Vec<Row> {
+    let version = match Peer::version() {
+        Ok(version) => version,
+        Err(why) => {
+            eprintln!("no Mitsuba: {why}");
+            return Vec::new();
+        }
+    };
+    let [often, some, _] = sizes.rounds;
+    let row = |(spp, rounds)| {
+        let name = format!("Mitsuba {version} (LLVM), sphere, {spp} spp");
+        let mut row = Row::new(&name, rounds, move || work(spp));
+        row.watch_memory = false;
+        row
+    };
+    [(1, often), (16, some)].map(row).into()
+}
+
 /// The Python process.
-pub struct Peer {
+struct Peer {
     child: Child,
     to: ChildStdin,
     from: BufReader<ChildStdout>,
@@ -26,7 +45,7 @@ pub struct Peer {
 
 impl Peer {
     /// Mitsuba's version, if its LLVM backend works here; otherwise why not.
-    pub fn version() -> Result<String, String> {
+    fn version() -> Result<String, String> {
         if !python().exists() {
             return Err("no .venv; `cargo xtask bench --with-mitsuba` makes it".to_owned());
         }
@@ -72,7 +91,7 @@ impl Drop for Peer {
 }
 
 /// The paper's sphere, scattered by Mitsuba.
-pub fn work(spp: usize) -> Outcome<Work> {
+fn work(spp: usize) -> Outcome<Work> {
     let setup = set_ups::scene("paper/sphere.toml")?;
     let (exact, _) = midair::map::invert(&setup, midair::map::Accuracy::default());
     let reached = exact.uv.iter().filter(|uv| uv[0].is_finite()).count();

@@ -1,6 +1,6 @@
 //! The rows of the table.
 
-use super::{Outcome, mitsuba, set_ups};
+use super::{Outcome, set_ups};
 use midair::map::{Accuracy, Map, Status, invert, invert_into, pixel_centre, splat};
 use midair::media::display_image;
 use midair::media::optimal::{Weighting, optimal_display};
@@ -21,14 +21,14 @@ const PAPER_SPP: usize = 1000;
 pub struct Sizes {
     pub quick: bool,
     /// Rounds of the rows that take a few milliseconds, some hundred, and seconds.
-    rounds: [usize; 3],
+    pub rounds: [usize; 3],
     /// Samples per pixel that stand for the paper's.
     spp: usize,
 }
 
 impl Sizes {
-    pub const FULL: Self = Self { quick: false, rounds: [41, 15, 3], spp: PAPER_SPP };
-    pub const QUICK: Self = Self { quick: true, rounds: [15, 5, 3], spp: 16 };
+    pub const FULL: Self = Self { quick: false, rounds: [41, 11, 3], spp: PAPER_SPP };
+    pub const QUICK: Self = Self { quick: true, rounds: [15, 5, 3], spp: 4 };
 }
 
 /// What one run of a row tells.
@@ -53,7 +53,7 @@ pub struct Row {
 }
 
 impl Row {
-    fn new(name: &str, rounds: usize, prepare: impl Fn() -> Outcome<Work> + 'static) -> Self {
+    pub fn new(name: &str, rounds: usize, prepare: impl Fn() -> Outcome<Work> + 'static) -> Self {
         let (name, prepare) = (name.to_owned(), Box::new(prepare));
         Self { name, rounds, extrapolated: 1.0, watch_memory: true, prepare }
     }
@@ -64,8 +64,8 @@ impl Row {
     }
 }
 
-/// All rows that can be measured here.
-pub fn all(sizes: &Sizes) -> Outcome<Vec<Row>> {
+/// The rows of midair itself that can be measured here.
+pub fn of_midair(sizes: &Sizes) -> Vec<Row> {
     let [often, some, few] = sizes.rounds;
     let mut rows = Vec::new();
     for (name, file) in [
@@ -98,20 +98,6 @@ pub fn all(sizes: &Sizes) -> Outcome<Vec<Row>> {
     rows.push(Row::new("splat, ball of triangles, 1 spp", some, || {
         Ok(splat_work(set_ups::ball()?, 1))
     }));
-    match mitsuba::Peer::version() {
-        Ok(version) => {
-            for spp in [1, 16] {
-                let name = format!("Mitsuba {version} (LLVM), sphere, {spp} spp");
-                rows.push(Row {
-                    watch_memory: false,
-                    ..Row::new(&name, if spp == 1 { often } else { some }, move || {
-                        mitsuba::work(spp)
-                    })
-                });
-            }
-        }
-        Err(why) => eprintln!("no Mitsuba: {why}"),
-    }
     pictures(&mut rows, [often, some, few]);
     match midair_program() {
         Some(program) => {
@@ -121,7 +107,7 @@ pub fn all(sizes: &Sizes) -> Outcome<Vec<Row>> {
         }
         None => eprintln!("no program: build it with `cargo build --release -p midair-cli`"),
     }
-    Ok(rows)
+    rows
 }
 
 /// Rows of what follows the map.
