@@ -5,7 +5,7 @@
 //! not. A local link must lead to a file.
 
 use crate::test::Tally;
-use crate::{process, setup};
+use crate::{process, reference, setup};
 use anyhow::{Context, Result, anyhow, bail};
 use pulldown_cmark::{CodeBlockKind, Event, Parser, Tag, TagEnd};
 use std::path::{Path, PathBuf};
@@ -33,7 +33,8 @@ enum Language {
     Python,
 }
 
-/// Runs all pages: each one is a check of its commands and one of its links; and the table of contents is one.
+/// Runs all pages: each one is a check of its commands and one of its links; the table of contents and what the program
+/// itself tells are one each.
 pub fn run() -> Tally {
     let mut tally = Tally::default();
     let pages = match pages() {
@@ -41,6 +42,7 @@ pub fn run() -> Tally {
         Err(error) => return Tally::of(Err(error)),
     };
     tally.add(Tally::of(contents(&pages)));
+    tally.add(Tally::of(reference::check()));
     for page in pages {
         let checked = std::fs::read_to_string(crate::root().join(&page))
             .with_context(|| format!("{} cannot be read", page.display()));

@@ -4,12 +4,14 @@
 //! cargo xtask test [--only STEP]     install what tests need, then run them all
 //! cargo xtask bench [--quick]        the table of times and memory, as Markdown
 //! cargo xtask pictures               remake the pictures of the README and the book
+//! cargo xtask reference              bring the book's tables of keys and commands up to date
 //! ```
 
 mod bench;
 mod book;
 mod pictures;
 mod process;
+mod reference;
 mod setup;
 mod test;
 
@@ -33,6 +35,8 @@ enum Task {
     Bench(bench::Options),
     /// Remake the pictures of the README and the book.
     Pictures,
+    /// Bring the book's tables of keys and commands up to date.
+    Reference,
 }
 
 /// The workspace's root: where this package's folder lies.
@@ -46,6 +50,7 @@ fn main() -> ExitCode {
         Task::Test(options) => test::run(&options),
         Task::Bench(options) => bench::run(&options).map(|()| true),
         Task::Pictures => pictures::run().map(|()| true),
+        Task::Reference => reference::write().map(|()| true),
     };
     match outcome {
         Ok(true) => ExitCode::SUCCESS,
