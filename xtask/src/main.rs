@@ -1,2 +1,63 @@
 //! `cargo xtask <task>`: what developers run.
-fn main() {}
+//!
+//! ```text
+//! cargo xtask test [--only STEP]     install what tests need, then run them all
+//! cargo xtask bench [--quick]        the table of times and memory, as Markdown
+//! cargo xtask pictures               remake the pictures of the README and the book
+//! cargo xtask reference              bring the book's tables of keys and commands up to date
+//! ```
+
+mod bench;
+mod book;
+mod pictures;
+mod process;
+mod reference;
+mod setup;
+mod test;
+
+use clap::{Parser, Subcommand};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// What midair's developers run.
+#[derive(Parser)]
+#[command(name = "cargo xtask")]
+struct Arguments {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Install what tests need, then run them all.
+    Test(test::Options),
+    /// Print the table of times and memory, as Markdown.
+    Bench(bench::Options),
+    /// Remake the pictures of the README and the book.
+    Pictures,
+    /// Bring the book's tables of keys and commands up to date.
+    Reference,
+}
+
+/// The workspace's root: where this package's folder lies.
+fn root() -> PathBuf {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.parent().unwrap_or(here).to_path_buf()
+}
+
+fn main() -> ExitCode {
+    let outcome = match Arguments::parse().task {
+        Task::Test(options) => test::run(&options),
+        Task::Bench(options) => bench::run(&options).map(|()| true),
+        Task::Pictures => pictures::run().map(|()| true),
+        Task::Reference => reference::write().map(|()| true),
+    };
+    match outcome {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! `cargo xtask bench`: builds the program and the benchmark table in release mode and runs the latter.
+
+use crate::{process, setup};
+use anyhow::Result;
+use clap::Args;
+use std::process::Command;
+
+#[derive(Args)]
+pub struct Options {
+    /// Fewer rounds, and fewer samples for the scattering peers, extrapolated (the table says so).
+    #[arg(long)]
+    quick: bool,
+    /// Install Mitsuba 3 into .venv and run its kernel in the same rounds.
+    #[arg(long)]
+    with_mitsuba: bool,
+    /// Only rows whose name contains this.
+    #[arg(long, value_name = "TEXT")]
+    only: Option<String>,
+}
+
+/// Prints the table.
+pub fn run(options: &Options) -> Result<()> {
+    if options.with_mitsuba {
+        setup::python_packages(setup::BENCH_PACKAGES)?;
+    }
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
+    let mut build = Command::new(&cargo);
+    build.args(["build", "--quiet", "--release", "--package", "midair-cli"]);
+    process::run(build.current_dir(crate::root()))?;
+    let mut bench = Command::new(&cargo);
+    bench.args(["bench", "--quiet", "--package", "xtask", "--bench", "table", "--"]);
+    if options.quick {
+        bench.arg("--quick");
+    }
+    if let Some(only) = &options.only {
+        bench.args(["--only", only]);
+    }
+    process::run(bench.current_dir(crate::root()))
+}

@@ -1,0 +1,64 @@
+//! `cargo xtask pictures`: remakes the pictures that the README and the book show.
+
+use crate::{book, process, setup};
+use anyhow::Result;
+use std::path::Path;
+use std::process::Command;
+
+/// Where they lie, relative to the workspace's root.
+const FOLDER: &str = "docs/pictures";
+
+/// Side by side in each strip: seen of an uncompensated display, the compensated display, seen of that.
+const STRIP: [&str; 3] = ["view-uncompensated.png", "display.png", "view-compensated.png"];
+
+/// Strips of scenes beside the demo's: the picture's name, the scene.
+const SCENES: [(&str, &str); 3] = [
+    ("cube.png", "scenes/paper/cube.toml"),
+    ("bent-mirror.png", "scenes/paper/bent-mirror-convex.toml"),
+    ("glass-of-water.png", "scenes/glass-of-water.toml"),
+];
+
+/// Runs the program and puts its pictures where the pages look for them.
+pub fn run() -> Result<()> {
+    setup::install()?;
+    let mut build = Command::new(std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned()));
+    build.args(["build", "--quiet", "--release", "--package", "midair-cli"]);
+    process::run(build.current_dir(crate::root()))?;
+    let out = tempfile::tempdir()?;
+    let pictures = crate::root().join(FOLDER);
+    std::fs::create_dir_all(&pictures)?;
+
+    process::run(midair().arg("demo").arg("--out").arg(out.path().join("demo")))?;
+    strip(&out.path().join("demo"), &pictures.join("demo.png"))?;
+    for (name, scene) in SCENES {
+        let folder = out.path().join(name);
+        let mut report = midair();
+        report.args(["report", scene, "--splat-spp", "0", "--out"]).arg(&folder);
+        process::run(&mut report)?;
+        strip(&folder, &pictures.join(name))?;
+    }
+    let mut check = midair();
+    check.args(["check", "scenes/paper/cube.toml", "--out"]).arg(pictures.join("check.png"));
+    process::run(&mut check)
+}
+
+fn midair() -> Command {
+    let mut command = Command::new(book::release_folder().join("midair"));
+    command.current_dir(crate::root());
+    command
+}
+
+/// Sets three pictures side by side, 360 pixels wide each, in 256 colours to keep the repository small.
+fn strip(folder: &Path, to: &Path) -> Result<()> {
+    let filter = "[0]scale=360:-1:flags=lanczos,pad=iw+12:ih:0:0:white[a];\
+                  [1]scale=360:-1:flags=lanczos,pad=iw+12:ih:0:0:white[b];\
+                  [2]scale=360:-1:flags=lanczos[c];\
+                  [a][b][c]hstack=inputs=3,split[x][y];\
+                  [x]palettegen[p];[y][p]paletteuse=dither=sierra2_4a";
+    let mut ffmpeg = Command::new("ffmpeg");
+    ffmpeg.args(["-y", "-v", "error"]);
+    for name in STRIP {
+        ffmpeg.arg("-i").arg(folder.join(name));
+    }
+    process::run(ffmpeg.args(["-filter_complex", filter]).arg(to))
+}

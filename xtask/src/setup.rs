@@ -1,0 +1,113 @@
+//! What tests need beyond Rust: ffmpeg, and a Python environment with the peers that results are held to.
+
+use crate::process;
+use anyhow::{Context, Result, bail};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// What is pinned for the tests, and what benchmarks add.
+pub const TEST_PACKAGES: &str = "xtask/peers/requirements.txt";
+/// See [`TEST_PACKAGES`].
+pub const BENCH_PACKAGES: &str = "xtask/peers/requirements-bench.txt";
+
+/// The environment's Python.
+pub fn python() -> PathBuf {
+    crate::root().join(".venv/bin/python3")
+}
+
+/// Installs what is missing; with everything in place the network is not touched.
+pub fn install() -> Result<()> {
+    if !process::succeeds(Command::new("ffmpeg").arg("-version")) {
+        apt_install(&["ffmpeg"])?;
+    }
+    python_packages(TEST_PACKAGES)?;
+    println!("ffmpeg and the packages of {TEST_PACKAGES} are in place");
+    Ok(())
+}
+
+/// Brings the packages of a requirements file into `.venv`, which is made if it is not there.
+pub fn python_packages(requirements: &str) -> Result<()> {
+    if has_packages(requirements)? {
+        return Ok(());
+    }
+    if !process::succeeds(Command::new(python()).arg("--version")) {
+        make_environment()?;
+    }
+    println!("installing {requirements} into .venv");
+    let mut pip = Command::new(python());
+    pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"]);
+    process::run(pip.arg(requirements).current_dir(crate::root()))
+        .with_context(|| format!("the packages of {requirements} cannot be installed"))
+}
+
+fn make_environment() -> Result<()> {
+    let folder = crate::root().join(".venv");
+    // On Debian `venv` is there without `ensurepip` unless python3-venv is installed.
+    if !process::succeeds(Command::new("python3").args(["-c", "import ensurepip, venv"])) {
+        apt_install(&["python3", "python3-venv"])?;
+    }
+    println!("making the Python environment .venv");
+    process::run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(folder))
+}
+
+/// Whether `.venv` holds exactly the versions that a requirements file pins.
+fn has_packages(requirements: &str) -> Result<bool> {
+    let path = crate::root().join(requirements);
+    let pins = pins(&path)?;
+    let program = "import sys, importlib.metadata as m\n\
+                   sys.exit(any(m.version(a[0]) != a[1] for a in \
+                   (p.split('==') for p in sys.argv[1:])))";
+    Ok(process::succeeds(Command::new(python()).args(["-c", program]).args(pins)))
+}
+
+fn pins(path: &Path) -> Result<Vec<String>> {
+    let text = std::fs::read_to_string(path)
+        .with_context(|| format!("{} cannot be read", path.display()))?;
+    let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default().trim());
+    let pins: Vec<String> = lines.filter(|line| !line.is_empty()).map(str::to_owned).collect();
+    if let Some(loose) = pins.iter().find(|pin| !pin.contains("==")) {
+        bail!("{}: `{loose}` names no version; write NAME==VERSION", path.display());
+    }
+    Ok(pins)
+}
+
+fn apt_install(packages: &[&str]) -> Result<()> {
+    let list = packages.join(" ");
+    let root = process::succeeds(Command::new("bash").args(["-c", "test $(id -u) = 0"]));
+    let sudo = !root && process::succeeds(Command::new("sudo").args(["-n", "true"]));
+    let apt = process::succeeds(Command::new("apt-get").arg("--version"));
+    if !apt || !(root || sudo) {
+        bail!(
+            "{list}: not installed, and {}; install by hand what is called so on this system",
+            if apt { "this user is neither root nor may use sudo" } else { "there is no apt-get" }
+        );
+    }
+    println!("installing {list}");
+    let apt_get = |arguments: &[&str]| {
+        let mut command = Command::new(if root { "env" } else { "sudo" });
+        if !root {
+            command.args(["-n", "env"]);
+        }
+        command.args(["DEBIAN_FRONTEND=noninteractive", "apt-get", "-qq", "-y"]).args(arguments);
+        process::run(&mut command)
+    };
+    apt_get(&["update"])?;
+    apt_get(&[&["install", "--no-install-recommends"], packages].concat())
+        .with_context(|| format!("{list} cannot be installed"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_requirements_files_pin_every_package() {
+        for file in [TEST_PACKAGES, BENCH_PACKAGES] {
+            assert!(!pins(&crate::root().join(file)).unwrap().is_empty());
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("loose.txt");
+        std::fs::write(&path, "a==1 # why\n\nnumpy>=2\n").unwrap();
+        assert!(pins(&path).unwrap_err().to_string().contains("numpy>=2"));
+    }
+}
