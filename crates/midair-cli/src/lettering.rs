@@ -83,11 +83,8 @@ impl Lettering {
                     + (1.0 - a) * b * cover(i, j + 1)
                     + a * b * cover(i + 1, j + 1);
                 // Enlarged, an edge stays one pixel wide: it runs where the cover is a half.
-                let alpha = if scale > 1.0 {
-                    ((alpha - 0.5) * scale + 0.5).clamp(0.0, 1.0)
-                } else {
-                    alpha
-                };
+                let alpha =
+                    if scale > 1.0 { ((alpha - 0.5) * scale + 0.5).clamp(0.0, 1.0) } else { alpha };
                 let pixel = &mut picture.pixels[row * picture.width + column];
                 for (value, ink) in pixel.iter_mut().zip(self.colour) {
                     *value += alpha as f32 * (ink - *value);

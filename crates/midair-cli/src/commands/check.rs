@@ -129,7 +129,8 @@ impl Advice {
             (wanted * (1.0 + 2.0 / points[axis] as f64) * 10.0).ceil() / 10.0
         });
         let middle = setup.display.point([0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])]);
-        let position = [middle.x, middle.y, middle.z].map(|c: f64| (c * 100.0).round() / 100.0 + 0.0);
+        let position =
+            [middle.x, middle.y, middle.z].map(|c: f64| (c * 100.0).round() / 100.0 + 0.0);
         Some(Self { size, position, wanted: [low, high] })
     }
 }

@@ -8,6 +8,7 @@
 mod filter;
 pub mod lattice;
 mod plane;
+pub mod proof;
 pub mod report;
 mod similarity;
 
