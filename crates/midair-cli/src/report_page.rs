@@ -91,6 +91,7 @@ impl Facts<'_> {
             "timings_ms": timings(&proof.timings),
             "formed": self.formed(),
             "compared_share": proof.region.share,
+            "reference_completed": proof.reference_completed,
             "lattice": {
                 "lines": settings.lattice.lines,
                 "compensated": shape_json(&proof.lattice.compensated),
@@ -431,7 +432,7 @@ impl Facts<'_> {
 
     /// Every assumption, in words.
     fn assumptions(&self) -> Vec<String> {
-        let Self { loaded, settings, .. } = self;
+        let Self { loaded, settings, proof, .. } = self;
         let plate = match loaded.scene.plate.model {
             PlateModel::Ideal => {
                 "The plate is ideal: plane symmetry, without blur, loss or stray light."
@@ -441,14 +442,21 @@ impl Facts<'_> {
             }
         };
         let n = settings.supersampling;
+        let reference = match proof.reference_completed {
+            0.0 => String::new(),
+            share => format!(
+                " {} of it would go past the plate that stands where the object sends the light: there it is what a plate without edges would show.",
+                percent(share)
+            ),
+        };
         vec![
             "The viewer is one pinhole eye at the scene's viewpoint; the view shows the image's rectangle and nothing else.".to_owned(),
             plate.to_owned(),
             "Light that surfaces reflect or absorb on its way (Fresnel, absorption, mirror reflectance) is not taken off: views show geometry, not brightness.".to_owned(),
             format!("Refractive indices are those at {:.1} nm.", DESIGN_WAVELENGTH * 1e3),
             format!("A view pixel is the mean of {} rays, each the bilinear interpolation of four display pixels, in linear light.", n * n),
-            "The reference is the view without any object, the display where it then belongs, showing the picture at its own resolution.".to_owned(),
-            "Uncompensated, the display shows the picture in the image's true size at its middle (the other way round behind an odd number of mirrors): right if mirrors were flat and solids absent.".to_owned(),
+            format!("The reference is the view without any object, the display where it then belongs, showing the picture at its own resolution.{reference}"),
+            "Uncompensated, the display shows the picture in the image's true size where it belongs if mirrors are flat and solids absent (the other way round behind an odd number of mirrors), as far as the scene's display reaches there.".to_owned(),
             "Views are compared over the pixels whose whole 11 x 11 window is formed; sRGB-encoded, SSIM after Wang et al. 2004 as the mean over the three channels.".to_owned(),
             format!(
                 "The lattice has {} x {} lines, {} of the image wide. Measured displacement is between intersections detected in the view and in the reference, in linear light; the exact one is the map interpolated at F.",

@@ -6,7 +6,7 @@ use crate::output::Output;
 use crate::progress::Bar;
 use crate::summary::{Counts, Voice, number, paths, timings, wrote};
 use clap::ValueEnum;
-use midair::evaluate::proof::{Watch as _, view_size};
+use midair::evaluate::proof::{Reference, Watch as _, view_size};
 use midair::map::format::{Format, write_bytes_atomically, write_map};
 use midair::map::{Accuracy, Map, invert, splat};
 use midair::media::optimal::{Weighting, optimal_display, view_through};
@@ -191,8 +191,8 @@ fn optimal(
     let size = view_size(setup, width);
     let camera = Camera::at_viewpoint(setup, size);
     check_view(size, camera.supersampling)?;
-    let open = camera.samples(&Setup::without_elements(loaded), &|_| {});
-    let target = view_through(&open, &display_image(picture, &Map::identity(width, height)))?;
+    let open = Reference::new(loaded, &camera, &|_| {});
+    let target = view_through(&open.samples, &display_image(picture, &Map::identity(width, height)))?;
     let samples = camera.samples(setup, &|_| {});
     Ok(optimal_display(&samples, &target, initial, Weighting::default())?.display)
 }

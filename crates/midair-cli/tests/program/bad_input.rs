@@ -21,10 +21,10 @@ fn scenes_that_are_wrong_are_refused_with_their_line() {
         assert!(good.contains(from));
         good.replace(from, to)
     };
-    scene_is_refused(&with("radius", "raduis"), &["wrong.toml:10:", "raduis", "radius", "help"]);
-    scene_is_refused(&with("25.0", "nan"), &["wrong.toml:10:", "help"]);
-    scene_is_refused(&with("25.0", "0.0"), &["wrong.toml:10:", "help"]);
-    scene_is_refused(&with("25.0", "\"25\""), &["wrong.toml:10:", "help"]);
+    scene_is_refused(&with("radius", "raduis"), &["wrong.toml:11:", "raduis", "radius", "help"]);
+    scene_is_refused(&with("25.0", "nan"), &["wrong.toml:11:", "help"]);
+    scene_is_refused(&with("25.0", "0.0"), &["wrong.toml:11:", "help"]);
+    scene_is_refused(&with("25.0", "\"25\""), &["wrong.toml:11:", "help"]);
     scene_is_refused(
         &with("size = [20.0, 20.0]", "size = [0.0, 20.0]"),
         &["wrong.toml:4:", "help"],
@@ -38,11 +38,11 @@ fn scenes_that_are_wrong_are_refused_with_their_line() {
     scene_is_refused("\u{0}\u{1}", &["wrong.toml"]);
     scene_is_refused(
         &good.replace("[[element]]", "[display]\nresolution = [32768, 32768]\n[[element]]"),
-        &["wrong.toml:9:", "pixels", "--size"],
+        &["wrong.toml:10:", "pixels", "--size"],
     );
     scene_is_refused(
         &good.replace("kind = \"sphere\", radius = 25.0", "kind = \"mesh\", file = \"no.obj\""),
-        &["wrong.toml:10:", "no.obj", "help"],
+        &["wrong.toml:11:", "no.obj", "help"],
     );
 }
 
@@ -60,7 +60,7 @@ fn meshes_that_are_cut_or_lie_are_refused() {
         let mesh = format!("kind = \"mesh\", file = \"{name}\"");
         bench.write("mesh.toml", set_up(BALL).replace("kind = \"sphere\", radius = 25.0", &mesh));
         let said = bench.refuse(&["compensate", "mesh.toml", "--out", "out"]);
-        assert!(said.contains("mesh.toml:10:") && said.contains(name), "{said}");
+        assert!(said.contains("mesh.toml:11:") && said.contains(name), "{said}");
         assert!(!bench.path("out").exists());
     }
 }

@@ -1,6 +1,6 @@
 //! `midair check`.
 
-use super::{BALL, Bench, scene, set_up};
+use super::{BALL, Bench, as_advised, scene, set_up};
 use midair::media::read_still;
 
 #[test]
@@ -22,14 +22,8 @@ fn a_display_as_advised_covers_the_whole_image() {
         bench.write("before.toml", &text);
         let told = bench.json(&["check", "before.toml", "--size", "64x64"]);
         assert!(told["image"]["formed"].as_f64().unwrap() < 0.95, "{told}");
-        let advice = &told["display"]["advice"];
-        let (head, rest) = text.split_once("[display]").unwrap();
-        let rest = &rest[rest.find("[[element]]").unwrap()..];
-        let display = format!(
-            "[display]\nresolution = [64, 64]\nposition = {}\nrotation = {}\nsize = {}\n",
-            advice["position"], advice["rotation"], advice["size"]
-        );
-        bench.write("after.toml", format!("{head}{display}{rest}"));
+        assert!(!told["display"]["advice"].is_null(), "{told}");
+        bench.write("after.toml", as_advised(&bench, &text));
         let told = bench.json(&["check", "after.toml", "--size", "64x64"]);
         assert_eq!(told["image"]["formed"], 1.0, "{told}");
         assert!(told["display"]["advice"].is_null());

@@ -170,7 +170,14 @@ fn splat_is_there_beside_the_inverse_and_claims_no_bound() {
 fn optimal_comes_nearer_than_the_plain_filter() {
     let bench = Bench::new();
     ball(&bench);
-    write_still(&bench.path("p.png"), &waves(96, 96), Depth::Eight).unwrap();
+    // Grey noise in steps: as much detail as the display can hold.
+    let mut picture = waves(64, 64);
+    let mut state = 1u32;
+    for pixel in &mut picture.pixels {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        pixel[..3].fill(0.3 + 0.1 * (state >> 30) as f32);
+    }
+    write_still(&bench.path("p.png"), &picture, Depth::Eight).unwrap();
     let view_of = |folder: &str, more: &[&str]| {
         let mut arguments =
             vec!["compensate", "ball.toml", "--image", "p.png", "--out", folder, "--size", "64x64"];

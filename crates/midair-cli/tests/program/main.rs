@@ -108,3 +108,17 @@ fn waves(width: usize, height: usize) -> midair::media::Picture {
         .collect();
     midair::media::Picture { width, height, pixels }
 }
+
+/// A scene's text with the display as `midair check` advises it; as it is where no advice is given.
+fn as_advised(bench: &Bench, text: &str) -> String {
+    bench.write("unadvised.toml", text);
+    let told = bench.json(&["check", "unadvised.toml", "--size", "64x64"]);
+    let advice = &told["display"]["advice"];
+    if advice.is_null() {
+        return text.to_owned();
+    }
+    let (head, rest) = text.split_once("[display]").unwrap();
+    let rest = &rest[rest.find("[[element]]").unwrap()..];
+    let (position, rotation, size) = (&advice["position"], &advice["rotation"], &advice["size"]);
+    format!("{head}[display]\nposition = {position}\nrotation = {rotation}\nsize = {size}\n{rest}")
+}

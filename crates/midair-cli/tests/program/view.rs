@@ -35,11 +35,12 @@ fn a_compensated_display_shows_the_picture_from_its_viewpoint_only() {
     let (right, told) = view("right.png", &[]);
     assert!(told["lit"].as_f64().unwrap() > 0.999, "{told}");
     // Two resamplings of waves of 20 pixels and more, and 8-bit codes.
-    assert!(difference(&right, &picture) < 0.01, "{}", difference(&right, &picture));
+    assert!(difference(&right, &picture) < 0.015, "{}", difference(&right, &picture));
     let (aside, _) = view("aside.png", &["--from", "-60,0,800"]);
     assert!(difference(&aside, &picture) > 0.03, "{}", difference(&aside, &picture));
     let (same, _) = view("same.exr", &["--from", "0,0,800", "--supersampling", "3"]);
-    assert!(difference(&same, &picture) < 0.01);
+    // The finer the sampling, the more it is a mean over the pixel, which the picture is not.
+    assert!(difference(&same, &picture) < 0.015);
     // A window three times as wide has the image in its middle third, and darkness around.
     let (wide, told) = view("wide.png", &["--window", "3"]);
     assert_eq!(wide.pixels[0][..3], [0.0; 3]);

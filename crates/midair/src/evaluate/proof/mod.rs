@@ -7,11 +7,13 @@
 mod baseline;
 mod displacement;
 mod likeness;
+mod reference;
 mod uncompensated;
 
 pub use baseline::Baseline;
 pub use displacement::Shape;
 pub use likeness::{Likeness, Region};
+pub use reference::Reference;
 pub use uncompensated::uncompensated_map;
 
 use super::SimilarityError;
@@ -114,6 +116,8 @@ pub struct Proof {
     pub region: Region,
     /// The picture with no object in the way.
     pub reference: Picture,
+    /// The share of the reference's rays that were completed, see [`Reference::completed`].
+    pub reference_completed: f64,
     /// The picture shown as it is.
     pub uncompensated: Shown,
     /// The picture through the map with the plain filter.
@@ -171,9 +175,8 @@ pub fn prove(
     };
     watch.stage("rays of the view", settings.view[1]);
     let samples = camera.samples(&setup, &|rows| watch.advance(rows));
-    let bare = Setup::without_elements(loaded);
     watch.stage("rays of the reference", settings.view[1]);
-    let open = camera.samples(&bare, &|rows| watch.advance(rows));
+    let open = Reference::new(loaded, &camera, &|rows| watch.advance(rows));
     clock.lap("view_rays");
 
     let [width, height] = setup.resolution;
@@ -181,7 +184,7 @@ pub fn prove(
     let identity = Map::identity(width, height);
 
     watch.stage("pictures", 4);
-    let reference = view_through(&open, &display_image(picture, &identity))?;
+    let reference = view_through(&open.samples, &display_image(picture, &identity))?;
     let shown = |display: Picture, time: Duration| -> Result<Shown, ProofError> {
         let view = view_through(&samples, &display)?;
         let likeness = region.likeness(&view, &reference)?;
@@ -204,8 +207,10 @@ pub fn prove(
     clock.lap("pictures");
 
     watch.stage("lattice", 3);
-    let drawn = draw_lattice(settings.view[0], settings.view[1], &settings.lattice)?;
-    let flat = view_through(&open, &display_image(&drawn, &identity))?;
+    // Twice as fine as view and display, so that display pixels average over exact shares of the lines' edges.
+    let [columns, rows] = [0, 1].map(|axis| 2 * settings.view[axis].max(setup.resolution[axis]));
+    let drawn = draw_lattice(columns, rows, &settings.lattice)?;
+    let flat = view_through(&open.samples, &display_image(&drawn, &identity))?;
     watch.advance(1);
     let lattice = {
         let sight = displacement::Sight { setup: &setup, map: &map };
@@ -214,7 +219,8 @@ pub fn prove(
         let compensated = measure.shape(view, |uv| sight.compensated(uv), &camera);
         watch.advance(1);
         let view = view_through(&samples, &display_image(&drawn, &as_is))?;
-        let place = |uv| sight.uncompensated(uncompensated::shown_at(loaded, &setup, uv));
+        let shown_at = uncompensated::AsIs::new(loaded, &setup);
+        let place = |uv| sight.uncompensated(shown_at.shown_at(uv));
         let uncompensated = measure.shape(view, place, &camera);
         watch.advance(1);
         LatticeProof { reference: flat, compensated, uncompensated }
@@ -240,6 +246,7 @@ pub fn prove(
         formation,
         region,
         reference,
+        reference_completed: open.completed,
         uncompensated,
         compensated,
         scattered,

@@ -107,7 +107,7 @@ fn an_uncompensated_display_is_right_where_nothing_distorts() {
     }
     // The image covers 60/66 by 60/75 of the display.
     assert!(compared as f64 > 0.98 * 128.0 * 128.0 * (60.0 / 66.0) * (60.0 / 75.0), "{compared}");
-    let st = uncompensated::shown_at(&loaded, &setup, [0.2, 0.7]);
+    let st = uncompensated::AsIs::new(&loaded, &setup).shown_at([0.2, 0.7]);
     let end = setup.transport([0.2, 0.7], &mut Default::default()).formed().unwrap();
     assert!((st[0] - end[0]).hypot(st[1] - end[1]) < 1e-9);
 }
@@ -131,4 +131,25 @@ fn the_region_is_what_its_definition_says() {
         }
     }
     assert!(region.share > 0.0 && region.share < 1.0);
+}
+
+#[test]
+fn a_completed_reference_is_what_a_larger_plate_would_show() {
+    // Most of the plate is missing; with all of it the simulation itself must say the same.
+    let with_plate = |side: f64| {
+        let mut scene = loaded(800.0, "[display]\nresolution = [64, 64]\n");
+        scene.scene.plate.rectangle.size = [side; 2];
+        scene
+    };
+    let (whole, part) = (with_plate(488.0), with_plate(12.0));
+    let setup = Setup::new(&whole).unwrap();
+    let camera = Camera { eye: setup.viewpoint, size: [31, 23], window: 1.0, supersampling: 2 };
+    let whole = Reference::new(&whole, &camera, &|_| {});
+    let part = Reference::new(&part, &camera, &|_| {});
+    assert_eq!(whole.completed, 0.0);
+    assert!(part.completed > 0.3 && part.completed < 0.95, "{}", part.completed);
+    for (a, b) in whole.samples.st.iter().zip(&part.samples.st) {
+        // Rounding of coordinates of a metre.
+        assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 1e-9, "{a:?} {b:?}");
+    }
 }
