@@ -7,6 +7,8 @@
 
 mod filter;
 pub mod lattice;
+pub mod lpips;
+pub mod paper;
 mod plane;
 pub mod proof;
 pub mod report;
