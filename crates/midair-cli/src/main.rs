@@ -1,2 +1,32 @@
-//! The `midair` program.
-fn main() {}
+//! The `midair` program: compensate, view and prove mid-air displays.
+//!
+//! Each command is a file in [`commands`]; this one reads the command line and tells what went wrong. Everything
+//! else is the library's.
+
+mod arguments;
+mod commands;
+mod failure;
+mod lettering;
+mod output;
+mod progress;
+mod report_page;
+mod status_picture;
+mod summary;
+mod test_picture;
+
+use clap::Parser;
+use std::io::Write as _;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    output::clean_up_on_interrupt();
+    let program = commands::Program::parse();
+    match commands::run(program) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            // There is nobody to tell if even this cannot be written.
+            let _ = writeln!(std::io::stderr(), "{:?}", miette::Report::new(failure));
+            ExitCode::from(2)
+        }
+    }
+}

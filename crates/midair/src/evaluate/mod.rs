@@ -7,7 +7,10 @@
 
 mod filter;
 pub mod lattice;
+pub mod lpips;
+pub mod paper;
 mod plane;
+pub mod proof;
 pub mod report;
 mod similarity;
 

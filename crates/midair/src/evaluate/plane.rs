@@ -1,6 +1,6 @@
 //! A grey picture, as measurements take it.
 
-use crate::media::Picture;
+use crate::media::{Picture, srgb};
 
 /// One channel of a picture: row-major, row 0 at the top.
 ///
@@ -73,12 +73,10 @@ impl Plane {
     }
 }
 
-/// The sRGB transfer function of linear light clamped to \[0, 1\] (IEC 61966-2-1); NaN is black.
+/// The encoded value of linear light clamped to \[0, 1\]; NaN is black.
 fn srgb_encoded(light: f32) -> f32 {
     let light = if light.is_nan() { 0.0 } else { f64::from(light.clamp(0.0, 1.0)) };
-    let encoded =
-        if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 };
-    encoded as f32
+    srgb::encode(light) as f32
 }
 
 #[cfg(test)]

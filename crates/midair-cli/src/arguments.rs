@@ -1,0 +1,162 @@
+//! What stands on the command line: sizes, points, formats; and the files that it names.
+
+use crate::failure::Failure;
+use clap::builder::PossibleValuesParser;
+use clap::builder::TypedValueParser as _;
+use midair::map::format::{Format, MAX_PIXELS};
+use midair::media::{Still, read_still};
+use midair::scene::{Loaded, load};
+use std::path::Path;
+use std::str::FromStr;
+
+/// Width and height in pixels, written `1024x768`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size(pub [usize; 2]);
+
+/// The longest side of a display or view.
+const LONGEST: usize = 32_768;
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || "give width x height in pixels, such as 1024x768".to_owned();
+        let (width, height) = text.split_once(['x', 'X', '×']).ok_or_else(wrong)?;
+        let side = |text: &str| text.trim().parse::<usize>().map_err(|_| wrong());
+        let size = [side(width)?, side(height)?];
+        if size.iter().any(|side| !(1..=LONGEST).contains(side)) {
+            return Err(format!("each side must be from 1 to {LONGEST} pixels"));
+        }
+        if (size[0] as u64) * (size[1] as u64) > MAX_PIXELS {
+            return Err(format!("that is more than {MAX_PIXELS} pixels"));
+        }
+        Ok(Self(size))
+    }
+}
+
+/// A point in mm, written `X,Y,Z`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point(pub [f64; 3]);
+
+impl FromStr for Point {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || "give three numbers in mm, such as 0,0,800".to_owned();
+        let parts: Vec<f64> = text
+            .split(',')
+            .map(|part| part.trim().parse::<f64>().map_err(|_| wrong()))
+            .collect::<Result<_, _>>()?;
+        let point: [f64; 3] = parts.try_into().map_err(|_| wrong())?;
+        // As far out as a scene file may go.
+        if point.iter().all(|c| c.is_finite() && c.abs() <= 1e6) {
+            Ok(Self(point))
+        } else {
+            Err("each coordinate must lie within 1000000 mm".to_owned())
+        }
+    }
+}
+
+/// A positive number that is finite.
+pub fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value <= 1e3 => Ok(value),
+        _ => Err("give a number above 0, at most 1000".to_owned()),
+    }
+}
+
+/// The names of the map formats; a misspelt one gets a suggestion.
+pub fn map_formats() -> impl clap::builder::TypedValueParser<Value = Format> {
+    PossibleValuesParser::new(Format::all().map(Format::name))
+        .try_map(|name| name.parse::<Format>())
+}
+
+/// Reads a scene, with another display resolution if one is asked for.
+pub fn open_scene(path: &Path, size: Option<Size>) -> Result<Loaded, Failure> {
+    let mut loaded = load(path)?;
+    if let Some(Size(size)) = size {
+        loaded.scene.display.resolution = size;
+    }
+    let [width, height] = loaded.scene.display.resolution;
+    if width as u64 * height as u64 > MAX_PIXELS {
+        let error = loaded.text.error_at(
+            "display.resolution",
+            format!("{width} x {height} are more than {MAX_PIXELS} pixels"),
+            "give a smaller resolution here or by --size",
+        );
+        return Err(error.into());
+    }
+    Ok(loaded)
+}
+
+/// Reads a picture; what was passed over or mended goes to `notes`.
+pub fn open_picture(path: &Path, notes: &mut Vec<String>) -> Result<Still, Failure> {
+    let still = read_still(path)?;
+    notes.extend(still.notes.iter().cloned());
+    Ok(still)
+}
+
+/// Rays that one view may have: what they hold in memory grows to 50 bytes each.
+const MOST_RAYS: usize = 1 << 26;
+
+/// Refuses a view that would not fit into memory.
+pub fn check_view([width, height]: [usize; 2], supersampling: usize) -> Result<(), Failure> {
+    let rays = (width as u128) * (height as u128) * (supersampling as u128).pow(2);
+    if rays > MOST_RAYS as u128 {
+        return Err(Failure::new(
+            format!(
+                "a view of {width} x {height} pixels with {supersampling} x {supersampling} rays each is too large"
+            ),
+            format!(
+                "ask for at most {MOST_RAYS} rays in all: a smaller size or less supersampling"
+            ),
+        ));
+    }
+    Ok(())
+}
+
+/// Refuses an output name that is not a picture's before any work is done.
+pub fn check_picture_name(path: &Path) -> Result<(), Failure> {
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    if ["png", "exr"].iter().any(|known| extension.eq_ignore_ascii_case(known)) {
+        return Ok(());
+    }
+    Err(Failure::new(
+        format!("{}: pictures are written as PNG or OpenEXR", path.display()),
+        "let the name end in .png or .exr",
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_read_and_typos_refused() {
+        assert_eq!("1024x768".parse(), Ok(Size([1024, 768])));
+        assert_eq!("4X3".parse(), Ok(Size([4, 3])));
+        for wrong in [
+            "",
+            "x",
+            "12",
+            "12x",
+            "0x5",
+            "-1x5",
+            "1.5x2",
+            "40000x1",
+            "32768x32768",
+            "1x2x3",
+            "12*3",
+        ] {
+            assert!(wrong.parse::<Size>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn points_are_read_and_typos_refused() {
+        assert_eq!("1,-2.5, 3e2".parse(), Ok(Point([1.0, -2.5, 300.0])));
+        for wrong in ["", "1,2", "1,2,3,4", "nan,0,0", "inf,0,0", "1;2;3", "1e9,0,0"] {
+            assert!(wrong.parse::<Point>().is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! The commands, one file each: its arguments and what it does.
+
+mod check;
+mod compensate;
+mod completions;
+mod demo;
+mod man;
+mod report;
+mod schema;
+mod view;
+
+use crate::failure::Failure;
+use crate::summary::Voice;
+use clap::{Parser, Subcommand};
+
+/// What a display must show so that its mid-air image looks undistorted.
+///
+/// A scene file describes viewpoint, mid-air image, transparent and reflective objects, micro-mirror array plate and display.
+/// midair works out what the display must show, and proves it by simulating what the viewer sees.
+#[derive(Debug, Parser)]
+#[command(name = "midair", version, arg_required_else_help = true, max_term_width = 100)]
+#[command(
+    after_help = "Start with:\n  midair demo\n\nExit codes: 0 done; 2 not done, and a message says why."
+)]
+pub struct Program {
+    #[command(subcommand)]
+    command: Command,
+    /// Print the summary as JSON on standard output
+    #[arg(long, global = true)]
+    json: bool,
+    /// Explain what is done
+    #[arg(short, long, global = true)]
+    verbose: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Demo(demo::Arguments),
+    Compensate(compensate::Arguments),
+    View(view::Arguments),
+    Check(check::Arguments),
+    Report(report::Arguments),
+    Schema(schema::Arguments),
+    Completions(completions::Arguments),
+    Man(man::Arguments),
+}
+
+/// Does what the command line asks for.
+pub fn run(program: Program) -> Result<(), Failure> {
+    let voice = Voice { json: program.json, verbose: program.verbose };
+    match program.command {
+        Command::Demo(arguments) => demo::run(&arguments, voice),
+        Command::Compensate(arguments) => compensate::run(&arguments, voice),
+        Command::View(arguments) => view::run(&arguments, voice),
+        Command::Check(arguments) => check::run(&arguments, voice),
+        Command::Report(arguments) => report::run(&arguments, voice),
+        Command::Schema(arguments) => schema::run(&arguments),
+        Command::Completions(arguments) => completions::run(&arguments),
+        Command::Man(arguments) => man::run(&arguments, voice),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory as _;
+
+    #[test]
+    fn the_command_line_is_consistent_and_every_command_has_an_example() {
+        Program::command().debug_assert();
+        for command in Program::command().get_subcommands() {
+            let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+            assert!(help.contains("Example"), "{}", command.get_name());
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! `midair report`: the proof that a scene is compensated, as figures and as a page.
+
+use super::compensate::{stretch_note, write_display, write_maps, write_report};
+use crate::arguments::{Size, check_view, open_picture, open_scene};
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::progress::Bar;
+use crate::summary::{Voice, paths, wrote};
+use crate::{report_page, test_picture};
+use midair::evaluate::proof::{Proof, Settings, prove, view_size};
+use midair::map::format::{FileError, Format, write_bytes_atomically};
+use midair::media::{Depth, Picture, Still, write_still};
+use midair::scene::Loaded;
+use midair::transport::Setup;
+use std::path::PathBuf;
+
+/// Prove that a scene is compensated: views, lattice displacement, likeness, the paper's method beside ours
+///
+/// Writes report.html, a page that stands on its own, report.json with all figures, and the pictures.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example:\n  midair report scene.toml --image photo.jpg --out out --splat-spp 0"
+)]
+pub struct Arguments {
+    /// Scene file (TOML or JSON)
+    scene: PathBuf,
+    /// Picture that the mid-air image is to show: PNG, JPEG or OpenEXR; left out: a built-in one
+    #[arg(long, value_name = "FILE")]
+    image: Option<PathBuf>,
+    /// Folder for all that is written
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// The display's resolution instead of the scene's; views are as wide
+    #[arg(long, value_name = "WxH")]
+    size: Option<Size>,
+    /// Samples per pixel of the paper's own method, measured beside ours; 0 leaves it out
+    #[arg(long, value_name = "N", default_value = "1000", value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    splat_spp: u32,
+}
+
+pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
+    let loaded = open_scene(&arguments.scene, arguments.size)?;
+    let mut notes = loaded.notes.clone();
+    let given = arguments.image.as_ref().map(|path| open_picture(path, &mut notes)).transpose()?;
+    let still = given.unwrap_or_else(|| built_in(&loaded));
+    let splat_spp = arguments.splat_spp as usize;
+    let output = Output::into_folder(&arguments.out)?;
+    write_proof(&loaded, &still, splat_spp, notes, output, voice)
+}
+
+/// The built-in picture in the image's proportions.
+fn built_in(loaded: &Loaded) -> Still {
+    let [w, h] = loaded.scene.image.size;
+    let width = 1024;
+    let height = ((width as f64 * h / w).round() as usize).clamp(1, 4096);
+    Still { picture: test_picture::draw(width, height), depth: Depth::Eight, notes: Vec::new() }
+}
+
+/// Proves, writes everything, and tells.
+pub fn write_proof(
+    loaded: &Loaded,
+    still: &Still,
+    splat_spp: usize,
+    mut notes: Vec<String>,
+    mut output: Output,
+    voice: Voice,
+) -> Result<(), Failure> {
+    let setup = Setup::new(loaded)?;
+    let settings = Settings { splat_spp, ..Settings::for_setup(&setup) };
+    check_view(settings.view, settings.supersampling)?;
+    notes.extend(stretch_note(&setup, &still.picture));
+    let bar = Bar::new();
+    let proof = prove(loaded, &still.picture, &settings, &bar)?;
+    bar.finish();
+
+    let facts = report_page::Facts {
+        loaded,
+        setup: &setup,
+        settings: &settings,
+        proof: &proof,
+        notes: &notes,
+    };
+    let report = facts.json();
+    let page = facts.page()?;
+    write_pictures(&mut output, still, &proof)?;
+    let source = view_size(&setup, still.picture.width);
+    let more = write_maps(&mut output, &proof.map, source, &[Format::Exr])?;
+    write_report(&mut output, &report)?;
+    output.write("report.html", |path| write_bytes_atomically(path, page.as_bytes()))?;
+    let files = output.finish()?;
+    voice.note(&more);
+    voice.note(&notes);
+    for (name, time) in &proof.timings {
+        voice.explain(&format!("{name}: {:.1} ms", time.as_secs_f64() * 1e3));
+    }
+    voice.explain(&wrote(&files).trim_end().to_owned());
+    let page = files.iter().find(|file| file.ends_with("report.html"));
+    let page = page.map(|page| page.display().to_string()).unwrap_or_default();
+    let mut told = report;
+    told["files"] = paths(&files);
+    voice.tell(&format!("{}see {page}\n", facts.lines()), &told)
+}
+
+fn write_pictures(output: &mut Output, still: &Still, proof: &Proof) -> Result<(), Failure> {
+    write_display(output, still, &proof.compensated.display)?;
+    let depth = if still.depth == Depth::Eight { Depth::Eight } else { Depth::Sixteen };
+    let mut picture = |name: &str, picture: &Picture| -> Result<(), Failure> {
+        output.write(name, |path| -> Result<(), FileError> { write_still(path, picture, depth) })
+    };
+    picture("display-optimal.png", &proof.optimal.display)?;
+    picture("view-reference.png", &proof.reference)?;
+    picture("view-compensated.png", &proof.compensated.view)?;
+    picture("view-optimal.png", &proof.optimal.view)?;
+    picture("view-uncompensated.png", &proof.uncompensated.view)?;
+    picture("lattice-reference.png", &proof.lattice.reference)?;
+    picture("lattice-compensated.png", &proof.lattice.compensated.view)?;
+    picture("lattice-uncompensated.png", &proof.lattice.uncompensated.view)
+}

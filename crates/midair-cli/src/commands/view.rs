@@ -1,0 +1,110 @@
+//! `midair view`: what is seen of a display.
+
+use crate::arguments::{
+    Point, Size, check_picture_name, check_view, open_picture, open_scene, positive,
+};
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::progress::Bar;
+use crate::summary::{Voice, milliseconds, paths, percent, wrote};
+use midair::evaluate::proof::{Watch as _, view_size};
+use midair::geometry::Vec3;
+use midair::media::optimal::view_through;
+use midair::media::{Depth, write_still};
+use midair::simulate::Camera;
+use midair::transport::Setup;
+use serde_json::json;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Render what the viewer sees of a display
+///
+/// The view shows the image's plane, so that a view pixel is an image point wherever the eye is. What no light of the display
+/// reaches is black.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example:\n  midair view scene.toml --display out/display.png --out view.png --from 50,0,800"
+)]
+pub struct Arguments {
+    /// Scene file (TOML or JSON)
+    scene: PathBuf,
+    /// Picture that the display shows: PNG, JPEG or OpenEXR
+    #[arg(long, value_name = "FILE")]
+    display: PathBuf,
+    /// Picture to write: .png or .exr (linear light)
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// The eye in mm instead of the scene's viewpoint
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    from: Option<Point>,
+    /// Pixels of the view; left out: as wide as the scene's display, in the image's proportions
+    #[arg(long, value_name = "WxH")]
+    size: Option<Size>,
+    /// How much of the image's plane is shown: 1 the image exactly, 1.5 half as much again around it
+    #[arg(long, default_value = "1", value_parser = positive)]
+    window: f64,
+    /// Rays through each pixel along each side
+    #[arg(long, value_name = "N", default_value = "2", value_parser = clap::value_parser!(u16).range(1..=64))]
+    supersampling: u16,
+}
+
+pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
+    check_picture_name(&arguments.out)?;
+    let loaded = open_scene(&arguments.scene, None)?;
+    let mut notes = loaded.notes.clone();
+    let still = open_picture(&arguments.display, &mut notes)?;
+    let setup = Setup::new(&loaded)?;
+    let size = match arguments.size {
+        Some(Size(size)) => size,
+        None => view_size(&setup, setup.resolution[0]),
+    };
+    let supersampling = usize::from(arguments.supersampling);
+    check_view(size, supersampling)?;
+    let (mut output, name) = Output::of_file(&arguments.out)?;
+
+    let eye = arguments.from.map_or(setup.viewpoint, |Point(at)| Vec3::from_array(at));
+    let camera = Camera { eye, size, window: arguments.window, supersampling };
+    let start = Instant::now();
+    let bar = Bar::new();
+    bar.stage("rays of the view", size[1]);
+    let samples = camera.samples(&setup, &|rows| bar.advance(rows));
+    let view = view_through(&samples, &still.picture)?;
+    bar.finish();
+    let time = start.elapsed();
+    let lit =
+        samples.st.iter().filter(|st| st[0].is_finite()).count() as f64 / samples.st.len() as f64;
+
+    let depth = if still.depth == Depth::Eight { Depth::Eight } else { Depth::Sixteen };
+    output.write(&name, |path| write_still(path, &view, depth))?;
+    let files = output.finish()?;
+    voice.note(&notes);
+    voice.explain(&format!(
+        "{} rays from ({}, {}, {}) mm, each the bilinear interpolation of four display pixels",
+        samples.st.len(),
+        eye.x,
+        eye.y,
+        eye.z
+    ));
+    let lines = format!(
+        "{}: a view of {} x {} pixels, {} of it reached by the display's light\n{}",
+        loaded.scene.name,
+        size[0],
+        size[1],
+        percent(lit),
+        wrote(&files)
+    );
+    voice.tell(
+        &lines,
+        &json!({
+            "scene": loaded.scene.name,
+            "size": size,
+            "from": [eye.x, eye.y, eye.z],
+            "window": camera.window,
+            "rays": samples.st.len(),
+            "lit": lit,
+            "timings_ms": { "view": milliseconds(time) },
+            "files": paths(&files),
+            "notes": notes,
+        }),
+    )
+}

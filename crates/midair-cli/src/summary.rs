@@ -1,0 +1,149 @@
+//! What a command says when it is done: a few lines, or JSON.
+
+use crate::failure::Failure;
+use midair::map::format::FileError;
+use midair::map::{Map, Status};
+use serde_json::{Value, json};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// How the user wants to be told.
+#[derive(Clone, Copy, Debug)]
+pub struct Voice {
+    /// The summary as JSON on standard output.
+    pub json: bool,
+    /// Explanations on standard error.
+    pub verbose: bool,
+}
+
+impl Voice {
+    /// The summary: lines for people, or the JSON that says the same.
+    pub fn tell(self, lines: &str, value: &Value) -> Result<(), Failure> {
+        if self.json { print(&format!("{value:#}\n")) } else { print(lines) }
+    }
+
+    /// What the user should know in any case; JSON has it as well.
+    pub fn note(self, notes: &[String]) {
+        if !self.json {
+            notes.iter().for_each(|note| say(&format!("note: {note}")));
+        }
+    }
+
+    /// What only `-v` tells.
+    pub fn explain(self, line: &str) {
+        if self.verbose {
+            say(line);
+        }
+    }
+}
+
+fn say(line: &str) {
+    // A closed standard error is no reason to stop.
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// Writes to standard output. A reader that has gone away (`midair schema | head`) is no failure.
+pub fn print(text: &str) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(FileError::io(Path::new("standard output"), "write", error).into())
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A map's pixels by status.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Counts {
+    /// With one image point.
+    pub ok: usize,
+    /// With several.
+    pub folded: usize,
+    /// Whose light never reaches the image.
+    pub outside: usize,
+    /// Whose path ends early.
+    pub blocked: usize,
+}
+
+impl Counts {
+    /// Counts a map's pixels.
+    pub fn of(map: &Map) -> Self {
+        let count = |status| map.status.iter().filter(|&&s| s == status).count();
+        Self {
+            ok: count(Status::Ok),
+            folded: count(Status::Folded),
+            outside: count(Status::Outside),
+            blocked: count(Status::Blocked),
+        }
+    }
+
+    /// As in report.json.
+    pub fn json(self) -> Value {
+        json!({ "ok": self.ok, "folded": self.folded, "outside": self.outside, "blocked": self.blocked })
+    }
+
+    /// For people, in shares of all pixels.
+    pub fn line(self) -> String {
+        let all = self.ok + self.folded + self.outside + self.blocked;
+        let share = |count: usize| percent(count as f64 / all.max(1) as f64);
+        format!(
+            "{} of the display's pixels are ok, {} folded, {} outside, {} blocked",
+            share(self.ok),
+            share(self.folded),
+            share(self.outside),
+            share(self.blocked)
+        )
+    }
+}
+
+/// A share as a percentage that does not round a few away or to all.
+pub fn percent(share: f64) -> String {
+    let value = 100.0 * share;
+    if share > 0.0 && value < 0.05 {
+        "< 0.1 %".to_owned()
+    } else if share < 1.0 && value >= 99.95 {
+        "> 99.9 %".to_owned()
+    } else {
+        format!("{value:.1} %")
+    }
+}
+
+/// Stages and their times in ms, as in report.json.
+pub fn timings(laps: &[(&'static str, Duration)]) -> Value {
+    let entry = |&(name, time): &(&str, Duration)| (name.to_owned(), json!(milliseconds(time)));
+    Value::Object(laps.iter().map(entry).collect())
+}
+
+/// A time in ms to the microsecond.
+pub fn milliseconds(time: Duration) -> f64 {
+    (time.as_secs_f64() * 1e6).round() / 1e3
+}
+
+/// A number for JSON, which has no infinities: `null` for those.
+pub fn number(value: f64) -> Value {
+    if value.is_finite() { json!(value) } else { Value::Null }
+}
+
+/// Paths as JSON.
+pub fn paths(files: &[PathBuf]) -> Value {
+    files.iter().map(|file| file.display().to_string()).collect()
+}
+
+/// Paths for people.
+pub fn wrote(files: &[PathBuf]) -> String {
+    let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+    format!("wrote {}\n", names.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percentages_do_not_hide_the_few() {
+        let shown = [0.0, 1e-6, 0.5, 1.0 - 1e-6, 1.0].map(percent);
+        assert_eq!(shown, ["0.0 %", "< 0.1 %", "50.0 %", "> 99.9 %", "100.0 %"]);
+    }
+}

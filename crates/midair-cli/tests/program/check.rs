@@ -1,0 +1,54 @@
+//! `midair check`.
+
+use super::{BALL, Bench, as_advised, scene, set_up};
+use midair::media::read_still;
+
+#[test]
+fn a_display_as_advised_covers_the_whole_image() {
+    let bench = Bench::new();
+    let cases = [
+        set_up(&format!("[display]\nresolution = [64, 64]\n{BALL}")),
+        // Too far to the left, turned in its plane.
+        set_up(&format!(
+            "[display]\nresolution = [64, 64]\nposition = [8.0, -150.0, -148.0]\n\
+             rotation = [-90.0, 0.0, 25.0]\nsize = [15.0, 15.0]\n{BALL}"
+        )),
+        // Behind a mirror.
+        std::fs::read_to_string(scene("ball-on-mirror.toml"))
+            .unwrap()
+            .replace("[display]", "[display]\n# as it is"),
+    ];
+    for text in cases {
+        bench.write("before.toml", &text);
+        let told = bench.json(&["check", "before.toml", "--size", "64x64"]);
+        assert!(told["image"]["formed"].as_f64().unwrap() < 0.95, "{told}");
+        assert!(!told["display"]["advice"].is_null(), "{told}");
+        bench.write("after.toml", as_advised(&bench, &text));
+        let told = bench.json(&["check", "after.toml", "--size", "64x64"]);
+        assert_eq!(told["image"]["formed"], 1.0, "{told}");
+        assert!(told["display"]["advice"].is_null());
+    }
+}
+
+#[test]
+fn what_is_not_formed_is_named_with_its_element() {
+    let bench = Bench::new();
+    // Through a cube turned by 45 degrees about the vertical, an eye far off to the side has light totally reflected.
+    let cube = "[[element]]\nname = \"my cube\"\nshape = { kind = \"box\", size = [50.0, 50.0, 50.0] }\n\
+                rotation = [0.0, 45.0, 0.0]\nmaterial = { ior = 1.49 }\n";
+    let text = set_up(&format!("[display]\nresolution = [64, 64]\n{cube}"))
+        .replace("size = [20.0, 20.0]", "size = [60.0, 60.0]");
+    bench.write("cube.toml", text);
+    let told = bench.json(&["check", "cube.toml"]);
+    let image = &told["image"];
+    let others = image["not_formed"].as_object().unwrap();
+    let sum: f64 = others.values().map(|v| v.as_f64().unwrap()).sum();
+    let formed = image["formed"].as_f64().unwrap() + image["folded"].as_f64().unwrap();
+    assert!((sum + formed - 1.0).abs() < 1e-9, "{told}");
+    let name = "total internal reflection in \"my cube\"";
+    assert!(others[name].as_f64().unwrap() > 0.05, "{told}");
+    let said = bench.succeed(&["check", "cube.toml"]);
+    assert!(said.contains(name) && said.contains("check.png"), "{said}");
+    let picture = read_still(&bench.path("check.png")).unwrap().picture;
+    assert!(picture.width > 1000 && picture.height > 600);
+}

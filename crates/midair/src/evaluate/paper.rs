@@ -1,0 +1,514 @@
+//! The paper's evaluation in the paper's layout: its table 1 (likeness), figure 7 (displacement over
+//! azimuth) and figure 8 (picture strips), its figures beside ours.
+//!
+//! Nothing is measured here: what was measured is set into tables and charts.
+
+use serde_json::{Value, json};
+
+use super::report::{
+    Block, Cell, Figure, Image, LineChart, Page, Section, Series, SummaryRow, Table,
+};
+use crate::media::Picture;
+
+/// Likeness of a view to its reference (the same image without the object).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Scores {
+    /// SSIM, mean over colour channels; 1 is equal.
+    pub ssim: f64,
+    /// LPIPS; 0 is equal. None when its weights were not at hand.
+    pub lpips: Option<f64>,
+    /// SSIM after a 5 x 5 box blur of both.
+    pub blurred_ssim: f64,
+}
+
+/// One image seen through (or on) one surface.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Quality {
+    /// Name of the surface: its rows are gathered by it.
+    pub surface: String,
+    /// Name of the image.
+    pub image: String,
+    /// With compensation.
+    pub with: Scores,
+    /// Without.
+    pub without: Scores,
+}
+
+/// The lattice's mean displacement over the camera's azimuth, at one surface.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shape {
+    /// Name of the surface.
+    pub surface: String,
+    /// One for each place of the camera.
+    pub views: Vec<ShapeView>,
+}
+
+/// The lattice's mean displacement seen from one place.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ShapeView {
+    /// Degrees; 0 is the viewpoint that is compensated for.
+    pub azimuth: f64,
+    /// Pixels, with compensation; None when too little of the lattice was found.
+    pub with: Option<f64>,
+    /// Pixels, without.
+    pub without: Option<f64>,
+}
+
+/// What the paper reports for a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Published<T> {
+    /// Name of the surface, as in `scenes/paper/`.
+    pub surface: &'static str,
+    /// With compensation.
+    pub with: T,
+    /// Without.
+    pub without: T,
+}
+
+/// The paper's table 1, simulated, means over its images.
+pub const PUBLISHED_QUALITY: [Published<Scores>; 2] = [
+    Published {
+        surface: "cylinder",
+        with: Scores { ssim: 0.156, lpips: Some(0.550), blurred_ssim: 0.742 },
+        without: Scores { ssim: 0.126, lpips: Some(0.608), blurred_ssim: 0.616 },
+    },
+    Published {
+        surface: "bent mirror",
+        with: Scores { ssim: 0.478, lpips: Some(0.301), blurred_ssim: 0.903 },
+        without: Scores { ssim: 0.374, lpips: Some(0.412), blurred_ssim: 0.735 },
+    },
+];
+
+/// The paper's mean displacements over azimuth, measured on photographs of 6000 x 4000 pixels.
+pub const PUBLISHED_DISPLACEMENT: [Published<f64>; 2] = [
+    Published { surface: "cube", with: 23.91, without: 78.87 },
+    Published { surface: "bent mirror", with: 30.53, without: 138.68 },
+];
+
+fn published<T: Copy>(all: &[Published<T>], surface: &str) -> Option<Published<T>> {
+    let named = |name: &str| name.to_lowercase().replace(['-', '_'], " ");
+    all.iter().copied().find(|one| named(surface).contains(one.surface))
+}
+
+/// The three measures: heading, how to read one, decimals, and whether more is better.
+type Measure = (&'static str, fn(&Scores) -> Option<f64>, bool);
+const MEASURES: [Measure; 3] = [
+    ("SSIM ↑", |scores| Some(scores.ssim), true),
+    ("LPIPS ↓", |scores| scores.lpips, false),
+    ("SSIM after 5 × 5 blur ↑", |scores| Some(scores.blurred_ssim), true),
+];
+
+/// Which condition is the better one by a measure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Winner {
+    /// With compensation.
+    With,
+    /// Without.
+    Without,
+    /// Equal, or one of them is unknown.
+    Neither,
+}
+
+fn winner(with: Option<f64>, without: Option<f64>, more_is_better: bool) -> Winner {
+    match (with, without) {
+        (Some(a), Some(b)) if (a > b && more_is_better) || (a < b && !more_is_better) => {
+            Winner::With
+        }
+        (Some(a), Some(b)) if (a < b && more_is_better) || (a > b && !more_is_better) => {
+            Winner::Without
+        }
+        _ => Winner::Neither,
+    }
+}
+
+/// Mean of the known values.
+fn mean(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
+    let known: Vec<f64> = values.flatten().filter(|value| value.is_finite()).collect();
+    (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
+}
+
+/// The surfaces of some rows in the order in which they first appear.
+fn surfaces(rows: &[Quality]) -> Vec<&str> {
+    let mut names: Vec<&str> = Vec::new();
+    for row in rows {
+        if !names.contains(&row.surface.as_str()) {
+            names.push(&row.surface);
+        }
+    }
+    names
+}
+
+fn pair(
+    with: Option<f64>,
+    without: Option<f64>,
+    more_is_better: bool,
+    decimals: usize,
+) -> [Cell; 2] {
+    let (a, b) = (Cell::number(with, decimals), Cell::number(without, decimals));
+    match winner(with, without, more_is_better) {
+        Winner::With => [a.best(), b],
+        Winner::Without => [a, b.best()],
+        Winner::Neither => [a, b],
+    }
+}
+
+/// Table 1 for one surface: a row for each image, then means, wins, and the paper's means.
+pub fn quality_table(surface: &str, rows: &[Quality]) -> Table {
+    let rows: Vec<&Quality> = rows.iter().filter(|row| row.surface == surface).collect();
+    let measured = |row: &Quality| {
+        MEASURES
+            .iter()
+            .flat_map(|(_, of, more)| pair(of(&row.with), of(&row.without), *more, 3))
+            .collect::<Vec<_>>()
+    };
+    let line = |name: String, cells: Vec<Cell>| -> Vec<Cell> {
+        std::iter::once(Cell::text(name)).chain(cells).collect()
+    };
+    let mut foot = Vec::new();
+    let means = MEASURES.iter().flat_map(|(_, of, more)| {
+        let with = mean(rows.iter().map(|row| of(&row.with)));
+        let without = mean(rows.iter().map(|row| of(&row.without)));
+        pair(with, without, *more, 3)
+    });
+    foot.push(line("Mean".to_owned(), means.collect()));
+    let wins = MEASURES.iter().flat_map(|(_, of, more)| {
+        let wins = |who: Winner| {
+            rows.iter().filter(|row| winner(of(&row.with), of(&row.without), *more) == who).count()
+        };
+        [Winner::With, Winner::Without]
+            .map(|who| Cell::text(format!("{} of {}", wins(who), rows.len())))
+    });
+    foot.push(line("Better on".to_owned(), wins.collect()));
+    if let Some(paper) = published(&PUBLISHED_QUALITY, surface) {
+        let cells = MEASURES
+            .iter()
+            .flat_map(|(_, of, more)| pair(of(&paper.with), of(&paper.without), *more, 3));
+        foot.push(line("The paper, simulated mean".to_owned(), cells.collect()));
+    }
+    let mut top = vec![("Image".to_owned(), 1)];
+    let mut below = vec![(String::new(), 1)];
+    for (name, ..) in MEASURES {
+        top.push((name.to_owned(), 2));
+        below.extend(["with", "without"].map(|name| (name.to_owned(), 1)));
+    }
+    Table {
+        caption: format!(
+            "{surface}: likeness to the view without object, with and without compensation"
+        ),
+        head: vec![top, below],
+        rows: rows.iter().map(|row| line(row.image.clone(), measured(row))).collect(),
+        foot,
+    }
+}
+
+/// Figure 7's chart for one surface.
+pub fn shape_chart(shape: &Shape) -> LineChart {
+    let series = |name: &str, of: fn(&ShapeView) -> Option<f64>| Series {
+        name: name.to_owned(),
+        points: shape
+            .views
+            .iter()
+            .map(|view| [view.azimuth, of(view).unwrap_or(f64::NAN)])
+            .collect(),
+    };
+    LineChart {
+        x_label: "camera azimuth, degrees".to_owned(),
+        y_label: "mean displacement, pixels".to_owned(),
+        series: vec![
+            series("with compensation", |view| view.with),
+            series("without", |view| view.without),
+        ],
+    }
+}
+
+/// Figure 7's numbers: a row for each azimuth, then means and the paper's.
+pub fn shape_table(shape: &Shape) -> Table {
+    let heading = |name: &str| (name.to_owned(), 1);
+    let row = |name: String, with: Option<f64>, without: Option<f64>| -> Vec<Cell> {
+        let [a, b] = pair(with, without, false, 2);
+        vec![Cell::text(name), a, b]
+    };
+    let views = &shape.views;
+    let mut foot = vec![row(
+        "Mean".to_owned(),
+        mean(views.iter().map(|view| view.with)),
+        mean(views.iter().map(|view| view.without)),
+    )];
+    if let Some(paper) = published(&PUBLISHED_DISPLACEMENT, &shape.surface) {
+        foot.push(row("The paper, photographed".to_owned(), Some(paper.with), Some(paper.without)));
+    }
+    Table {
+        caption: format!(
+            "{}: mean displacement of the lattice's intersections, pixels",
+            shape.surface
+        ),
+        head: vec![vec![heading("Azimuth"), heading("with"), heading("without")]],
+        rows: views
+            .iter()
+            .map(|view| {
+                let name = Cell::number(Some(view.azimuth), 0).text;
+                row(format!("{name}°"), view.with, view.without)
+            })
+            .collect(),
+        foot,
+    }
+}
+
+/// Pictures that cannot stand side by side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "pictures of {first} and {other} rows cannot stand side by side: render them at one height"
+)]
+pub struct StripError {
+    /// Height of the first.
+    pub first: usize,
+    /// Height of the one that differs.
+    pub other: usize,
+}
+
+/// Figure 8: pictures side by side (reference, with, without), `gap` pixels of white between them.
+///
+/// # Errors
+/// When their heights differ.
+pub fn strip(pictures: &[&Picture], gap: usize) -> Result<Picture, StripError> {
+    let height = pictures.first().map_or(0, |picture| picture.height);
+    if let Some(odd) = pictures.iter().find(|picture| picture.height != height) {
+        return Err(StripError { first: height, other: odd.height });
+    }
+    let gaps = gap * pictures.len().saturating_sub(1);
+    let width = pictures.iter().map(|picture| picture.width).sum::<usize>() + gaps;
+    let mut strip = Picture::filled(width, height, [1.0; 4]);
+    for row in 0..height {
+        let mut at = row * width;
+        for picture in pictures {
+            let from = &picture.pixels[row * picture.width..(row + 1) * picture.width];
+            strip.pixels[at..at + picture.width].copy_from_slice(from);
+            at += picture.width + gap;
+        }
+    }
+    Ok(strip)
+}
+
+/// All that the paper's evaluation yields.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Evaluation {
+    /// Table 1.
+    pub quality: Vec<Quality>,
+    /// Figure 7, a surface each.
+    pub shapes: Vec<Shape>,
+    /// Figure 8: strips with their captions.
+    pub strips: Vec<Figure>,
+    /// What was assumed: camera distance, aperture, crop, exposure.
+    pub assumptions: Vec<String>,
+    /// Where ours differ from the paper's, and why.
+    pub differences: Vec<String>,
+    /// What made the page.
+    pub colophon: String,
+}
+
+impl Evaluation {
+    /// The report as a page.
+    pub fn page(&self) -> Page {
+        let mut sections = Vec::new();
+        let mut summary = Vec::new();
+        for shape in &self.shapes {
+            let with = mean(shape.views.iter().map(|view| view.with));
+            let without = mean(shape.views.iter().map(|view| view.without));
+            let text = |value| Cell::number(value, 2).text;
+            summary.push(SummaryRow {
+                label: format!("{}: displacement", shape.surface),
+                value: format!("{} px", text(with)),
+                note: format!("{} px without compensation", text(without)),
+            });
+        }
+        for surface in surfaces(&self.quality) {
+            let rows: Vec<&Quality> =
+                self.quality.iter().filter(|row| row.surface == surface).collect();
+            let of = |pick: fn(&Quality) -> f64| {
+                Cell::number(mean(rows.iter().map(|row| Some(pick(row)))), 3).text
+            };
+            summary.push(SummaryRow {
+                label: format!("{surface}: SSIM"),
+                value: of(|row| row.with.ssim),
+                note: format!("{} without compensation", of(|row| row.without.ssim)),
+            });
+        }
+        let mut section = |heading: &str, blocks: Vec<Block>| {
+            if !blocks.is_empty() {
+                sections.push(Section { heading: heading.to_owned(), blocks });
+            }
+        };
+        section(
+            "Shape: the lattice over azimuth",
+            self.shapes
+                .iter()
+                .flat_map(|shape| {
+                    let caption =
+                        format!("{}: displacement over the camera's azimuth.", shape.surface);
+                    let image = Image::Line(shape_chart(shape));
+                    [
+                        Block::Figures(vec![Figure { image, caption }]),
+                        Block::Table(shape_table(shape)),
+                    ]
+                })
+                .collect(),
+        );
+        let tables = surfaces(&self.quality).into_iter();
+        section(
+            "Likeness of the views",
+            tables.map(|surface| Block::Table(quality_table(surface, &self.quality))).collect(),
+        );
+        // Strips are wide: one to a row.
+        let strips = self.strips.iter().map(|figure| Block::Figures(vec![figure.clone()]));
+        section("Views: reference, with, without compensation", strips.collect());
+        let notes = |notes: &[String]| match notes {
+            [] => Vec::new(),
+            notes => vec![Block::Notes(notes.to_vec())],
+        };
+        section("Assumptions", notes(&self.assumptions));
+        section("Where this differs from the paper", notes(&self.differences));
+        Page {
+            title: "The paper’s evaluation, simulated".to_owned(),
+            lead: "What the viewer sees with and without compensation, beside the paper’s figures."
+                .to_owned(),
+            summary,
+            sections,
+            colophon: self.colophon.clone(),
+        }
+    }
+
+    /// The numbers as JSON: `quality`, `shapes`, `published`, `assumptions`, `differences`.
+    pub fn to_json(&self) -> Value {
+        let scores = |scores: &Scores| {
+            json!({
+                "ssim": scores.ssim, "lpips": scores.lpips, "blurred_ssim": scores.blurred_ssim
+            })
+        };
+        let quality = self.quality.iter().map(|row| {
+            json!({
+                "surface": row.surface, "image": row.image,
+                "with": scores(&row.with), "without": scores(&row.without)
+            })
+        });
+        let shapes = self.shapes.iter().map(|shape| {
+            let views = shape.views.iter().map(
+                |view| json!({"azimuth": view.azimuth, "with": view.with, "without": view.without}),
+            );
+            json!({"surface": shape.surface, "views": views.collect::<Vec<_>>()})
+        });
+        let published_quality = PUBLISHED_QUALITY.iter().map(|one| {
+            json!({
+                "surface": one.surface, "with": scores(&one.with), "without": scores(&one.without)
+            })
+        });
+        let published_shapes = PUBLISHED_DISPLACEMENT
+            .iter()
+            .map(|one| json!({"surface": one.surface, "with": one.with, "without": one.without}));
+        json!({
+            "quality": quality.collect::<Vec<_>>(),
+            "shapes": shapes.collect::<Vec<_>>(),
+            "published": {
+                "quality": published_quality.collect::<Vec<_>>(),
+                "displacement": published_shapes.collect::<Vec<_>>(),
+            },
+            "assumptions": self.assumptions,
+            "differences": self.differences,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows() -> Vec<Quality> {
+        let scores = |ssim, lpips, blurred_ssim| Scores { ssim, lpips, blurred_ssim };
+        let row = |surface: &str, image: &str, with, without| Quality {
+            surface: surface.to_owned(),
+            image: image.to_owned(),
+            with,
+            without,
+        };
+        vec![
+            row("cylinder", "bikes", scores(0.2, Some(0.5), 0.7), scores(0.1, Some(0.4), 0.6)),
+            row("bent mirror", "bikes", scores(0.5, None, 0.9), scores(0.4, None, 0.9)),
+            row("cylinder", "caps", scores(0.4, Some(0.3), 0.5), scores(0.2, Some(0.6), 0.8)),
+        ]
+    }
+
+    fn texts(row: &[Cell]) -> Vec<String> {
+        row.iter()
+            .map(|cell| if cell.best { format!("*{}", cell.text) } else { cell.text.clone() })
+            .collect()
+    }
+
+    #[test]
+    fn the_table_has_means_wins_and_the_papers_figures() {
+        let table = quality_table("cylinder", &rows());
+        let width: usize = table.head[0].iter().map(|(_, span)| span).sum();
+        assert!(table.rows.iter().chain(&table.foot).all(|row| row.len() == width));
+        assert_eq!(table.head[1].len(), width);
+        assert_eq!(
+            texts(&table.rows[0]),
+            ["bikes", "*0.200", "0.100", "0.500", "*0.400", "*0.700", "0.600"]
+        );
+        // By hand: (0.2 + 0.4) / 2, (0.1 + 0.2) / 2, (0.5 + 0.3) / 2, (0.4 + 0.6) / 2, ...
+        assert_eq!(
+            texts(&table.foot[0]),
+            ["Mean", "*0.300", "0.150", "*0.400", "0.500", "0.600", "*0.700"]
+        );
+        let wins = ["Better on", "2 of 2", "0 of 2", "1 of 2", "1 of 2", "1 of 2", "1 of 2"];
+        assert_eq!(texts(&table.foot[1]), wins);
+        assert_eq!(texts(&table.foot[2])[1..4], ["*0.156", "0.126", "*0.550"]);
+        let mirror = quality_table("bent mirror", &rows());
+        assert_eq!(texts(&mirror.rows[0])[3..], ["–", "–", "0.900", "0.900"]);
+    }
+
+    #[test]
+    fn figure_seven_keeps_gaps_and_names_the_paper() {
+        let shape = Shape {
+            surface: "Bent-mirror".to_owned(),
+            views: vec![
+                ShapeView { azimuth: -5.0, with: Some(1.0), without: Some(3.0) },
+                ShapeView { azimuth: 0.0, with: None, without: Some(5.0) },
+            ],
+        };
+        let chart = shape_chart(&shape);
+        assert!(chart.series[0].points[1][1].is_nan() && chart.series[1].points[1] == [0.0, 5.0]);
+        let table = shape_table(&shape);
+        assert_eq!(texts(&table.rows[0]), ["−5°", "*1.00", "3.00"]);
+        assert_eq!(texts(&table.foot[0]), ["Mean", "*1.00", "4.00"]);
+        assert_eq!(texts(&table.foot[1]), ["The paper, photographed", "*30.53", "138.68"]);
+    }
+
+    #[test]
+    fn a_strip_holds_its_pictures_in_order() {
+        let (red, blue) = ([1.0, 0.0, 0.0, 1.0], [0.0, 0.0, 1.0, 1.0]);
+        let (a, b) = (Picture::filled(2, 3, red), Picture::filled(4, 3, blue));
+        let found = strip(&[&a, &b], 1).unwrap();
+        assert_eq!((found.width, found.height), (7, 3));
+        assert_eq!(found.pixels[7..14], [red, red, [1.0; 4], blue, blue, blue, blue]);
+        let tall = Picture::filled(1, 4, red);
+        assert_eq!(strip(&[&a, &tall], 1), Err(StripError { first: 3, other: 4 }));
+        assert!(strip(&[], 3).unwrap().pixels.is_empty());
+    }
+
+    #[test]
+    fn the_page_shows_every_surface_and_the_json_every_number() {
+        let evaluation = Evaluation {
+            quality: rows(),
+            shapes: vec![Shape { surface: "cube".to_owned(), views: vec![ShapeView::default()] }],
+            assumptions: vec!["camera at 3.3 m".to_owned()],
+            ..Evaluation::default()
+        };
+        let page = evaluation.page();
+        let labels: Vec<&str> = page.summary.iter().map(|row| row.label.as_str()).collect();
+        assert_eq!(labels, ["cube: displacement", "cylinder: SSIM", "bent mirror: SSIM"]);
+        let html = page.to_html();
+        assert!(html.contains("camera at 3.3 m") && html.contains("78.87"));
+        let json = evaluation.to_json();
+        assert_eq!(json["quality"][2]["without"]["lpips"], 0.6);
+        assert_eq!(json["quality"][1]["with"]["lpips"], Value::Null);
+        assert_eq!(json["published"]["displacement"][0]["with"], 23.91);
+    }
+}

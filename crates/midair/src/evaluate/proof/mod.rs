@@ -1,0 +1,289 @@
+//! The proof: what the viewer sees, measured against what should be seen.
+//!
+//! One picture and one lattice go three ways through the forward simulator: shown compensated, shown as they are
+//! (uncompensated), and shown with no object in the way (the reference). The lattice tells shape, the picture likeness. Beside the
+//! map's plain filter stand the averaged scatter, the best display image, and the paper's own map by splatting.
+
+mod baseline;
+mod displacement;
+mod likeness;
+mod reference;
+mod uncompensated;
+
+pub use baseline::Baseline;
+pub use displacement::Shape;
+pub use likeness::{Likeness, Region};
+pub use reference::Reference;
+pub use uncompensated::uncompensated_map;
+
+use super::SimilarityError;
+use super::lattice::{LatticeStyle, LatticeStyleError, draw_lattice};
+use crate::map::{Accuracy, Effort, Formation, Map, formation, invert};
+use crate::media::optimal::{
+    OptimalError, ViewSamples, Weighting, optimal_display, scatter_average, view_through,
+};
+use crate::media::{Picture, display_image};
+use crate::scene::Loaded;
+use crate::simulate::Camera;
+use crate::transport::{Setup, SetupError};
+use std::time::{Duration, Instant};
+
+/// What is proved, and how finely.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Width and height of the views in pixels.
+    pub view: [usize; 2],
+    /// Rays through each view pixel along each side.
+    pub supersampling: usize,
+    /// Samples per pixel of the paper's own method, which is measured beside ours; 0 leaves it out.
+    pub splat_spp: usize,
+    /// The lattice that displacement is measured on.
+    pub lattice: LatticeStyle,
+}
+
+impl Settings {
+    /// Views with as many pixels in a row as the display has and with the image's proportions, four rays a pixel, the
+    /// paper's lattice and its 1000 samples a pixel.
+    pub fn for_setup(setup: &Setup) -> Self {
+        Self {
+            view: view_size(setup, setup.resolution[0]),
+            supersampling: 2,
+            splat_spp: 1000,
+            lattice: LatticeStyle::default(),
+        }
+    }
+}
+
+/// A view's size for a width in pixels: the height that gives square pixels on the image.
+pub fn view_size(setup: &Setup, width: usize) -> [usize; 2] {
+    let [w, h] = setup.image.size;
+    [width, ((width as f64 * h / w).round() as usize).max(1)]
+}
+
+/// Who is told how far the work is.
+pub trait Watch: Sync {
+    /// A stage of so many steps begins.
+    fn stage(&self, _name: &str, _steps: usize) {}
+    /// So many steps of it are done.
+    fn advance(&self, _steps: usize) {}
+}
+
+/// Nobody.
+impl Watch for () {}
+
+/// Why nothing can be proved.
+#[derive(Debug, thiserror::Error)]
+pub enum ProofError {
+    /// The scene cannot be traced.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// The lattice cannot be drawn.
+    #[error(transparent)]
+    Lattice(#[from] LatticeStyleError),
+    /// The sizes of views and displays do not fit together.
+    #[error(transparent)]
+    View(#[from] OptimalError),
+    /// The views cannot be compared.
+    #[error(transparent)]
+    Similarity(#[from] SimilarityError),
+}
+
+/// One way to fill the display, what is seen of it, and how like the reference that is.
+#[derive(Clone, Debug)]
+pub struct Shown {
+    /// What the display shows; linear light.
+    pub display: Picture,
+    /// What the viewer sees; linear light.
+    pub view: Picture,
+    /// Against the reference; `None` where no pixel is formed.
+    pub likeness: Option<Likeness>,
+    /// Time to make the display image from map and picture.
+    pub time: Duration,
+}
+
+/// All that was found.
+#[derive(Clone, Debug)]
+pub struct Proof {
+    /// The map.
+    pub map: Map,
+    /// What the inversion did.
+    pub effort: Effort,
+    /// Time that the map took.
+    pub map_time: Duration,
+    /// What becomes of the image's points, at the views' pixels.
+    pub formation: Formation,
+    /// The view pixels over which views are compared.
+    pub region: Region,
+    /// The picture with no object in the way.
+    pub reference: Picture,
+    /// The share of the reference's rays that were completed, see [`Reference::completed`].
+    pub reference_completed: f64,
+    /// The picture shown as it is.
+    pub uncompensated: Shown,
+    /// The picture through the map with the plain filter.
+    pub compensated: Shown,
+    /// The picture by averaged scatter of the view's rays.
+    pub scattered: Shown,
+    /// The best display image there is.
+    pub optimal: Shown,
+    /// The lattice: with no object, and seen compensated and not.
+    pub lattice: LatticeProof,
+    /// The paper's own method, if asked for.
+    pub splat: Option<Baseline>,
+    /// How long each stage took, in their order.
+    pub timings: Vec<(&'static str, Duration)>,
+}
+
+/// The lattice's three views and what they show.
+#[derive(Clone, Debug)]
+pub struct LatticeProof {
+    /// With no object in the way.
+    pub reference: Picture,
+    /// Compensated.
+    pub compensated: Shape,
+    /// Shown as it is.
+    pub uncompensated: Shape,
+}
+
+/// Proves a scene on a picture, which is stretched over the image.
+///
+/// # Errors
+/// [`ProofError`] where the scene cannot be traced or the settings cannot be met.
+pub fn prove(
+    loaded: &Loaded,
+    picture: &Picture,
+    settings: &Settings,
+    watch: &dyn Watch,
+) -> Result<Proof, ProofError> {
+    let setup = Setup::new(loaded)?;
+    let mut clock = Clock::start();
+
+    watch.stage("map", 1);
+    let (map, effort) = invert(&setup, Accuracy::default());
+    let map_time = clock.lap("map");
+
+    watch.stage("what can be formed", 1);
+    let formation = formation(&setup, &map, settings.view);
+    let region = Region::of(&formation);
+    clock.lap("formation");
+
+    let camera = Camera {
+        eye: setup.viewpoint,
+        size: settings.view,
+        window: 1.0,
+        supersampling: settings.supersampling,
+    };
+    watch.stage("rays of the view", settings.view[1]);
+    let samples = camera.samples(&setup, &|rows| watch.advance(rows));
+    watch.stage("rays of the reference", settings.view[1]);
+    let open = Reference::new(loaded, &camera, &|rows| watch.advance(rows));
+    clock.lap("view_rays");
+
+    let [width, height] = setup.resolution;
+    let as_is = uncompensated_map(loaded, &setup);
+    let identity = Map::identity(width, height);
+
+    watch.stage("pictures", 4);
+    let reference = view_through(&open.samples, &display_image(picture, &identity))?;
+    let shown = |display: Picture, time: Duration| -> Result<Shown, ProofError> {
+        let view = view_through(&samples, &display)?;
+        let likeness = region.likeness(&view, &reference)?;
+        watch.advance(1);
+        Ok(Shown { display, view, likeness, time })
+    };
+    let timed = |make: &dyn Fn() -> Result<Picture, OptimalError>| -> Result<_, ProofError> {
+        let start = Instant::now();
+        let display = make()?;
+        Ok((display, start.elapsed()))
+    };
+    let (display, time) = timed(&|| Ok(display_image(picture, &as_is)))?;
+    let uncompensated = shown(display, time)?;
+    let (display, time) = timed(&|| Ok(display_image(picture, &map)))?;
+    let compensated = shown(display, time)?;
+    let (display, time) = timed(&|| scatter_average(&samples, &reference, width, height))?;
+    let scattered = shown(display, time)?;
+    let (display, time) = timed(&|| best(&samples, &reference, &compensated.display))?;
+    let optimal = shown(display, time)?;
+    clock.lap("pictures");
+
+    watch.stage("lattice", 3);
+    // Twice as fine as view and display, so that display pixels average over exact shares of the lines' edges.
+    let [columns, rows] = [0, 1].map(|axis| 2 * settings.view[axis].max(setup.resolution[axis]));
+    let drawn = draw_lattice(columns, rows, &settings.lattice)?;
+    let flat = view_through(&open.samples, &display_image(&drawn, &identity))?;
+    watch.advance(1);
+    let lattice = {
+        let sight = displacement::Sight { setup: &setup, map: &map };
+        let measure = displacement::Measure::new(&settings.lattice, &flat);
+        let view = view_through(&samples, &display_image(&drawn, &map))?;
+        let compensated = measure.shape(view, |uv| sight.compensated(uv), &camera);
+        watch.advance(1);
+        let view = view_through(&samples, &display_image(&drawn, &as_is))?;
+        let shown_at = uncompensated::AsIs::new(loaded, &setup);
+        let place = |uv| sight.uncompensated(shown_at.shown_at(uv));
+        let uncompensated = measure.shape(view, place, &camera);
+        watch.advance(1);
+        LatticeProof { reference: flat, compensated, uncompensated }
+    };
+    clock.lap("lattice");
+
+    let splat = match settings.splat_spp {
+        0 => None,
+        spp => {
+            watch.stage("the paper's method", height);
+            let baseline = Baseline::measure(&setup, &map, spp, watch)?;
+            let start = Instant::now();
+            let display = display_image(picture, &baseline.map);
+            let shown = shown(display, start.elapsed())?;
+            clock.lap("splat");
+            Some(Baseline { shown: Some(shown), ..baseline })
+        }
+    };
+    Ok(Proof {
+        map,
+        effort,
+        map_time,
+        formation,
+        region,
+        reference,
+        reference_completed: open.completed,
+        uncompensated,
+        compensated,
+        scattered,
+        optimal,
+        lattice,
+        splat,
+        timings: clock.laps,
+    })
+}
+
+fn best(
+    samples: &ViewSamples,
+    target: &Picture,
+    initial: &Picture,
+) -> Result<Picture, OptimalError> {
+    Ok(optimal_display(samples, target, initial, Weighting::default())?.display)
+}
+
+/// Stages and their times.
+struct Clock {
+    last: Instant,
+    laps: Vec<(&'static str, Duration)>,
+}
+
+impl Clock {
+    fn start() -> Self {
+        Self { last: Instant::now(), laps: Vec::new() }
+    }
+
+    fn lap(&mut self, name: &'static str) -> Duration {
+        let now = Instant::now();
+        let time = now - self.last;
+        self.last = now;
+        self.laps.push((name, time));
+        time
+    }
+}
+
+#[cfg(test)]
+mod tests;
