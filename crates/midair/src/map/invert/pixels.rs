@@ -158,7 +158,7 @@ impl Spread {
                 .map(|step| apply_inverse(solution.jacobian, step))
                 .map(|[u, v]| u.abs().max(v.abs()));
             let around = 0.5 * cell.extent() + pixel_step[0].max(pixel_step[1]);
-            if !cell.holds(solution.uv, around) {
+            if pixel != start && !cell.holds(solution.uv, around) {
                 continue;
             }
             if cell.holds(solution.uv, 1e-9) {

@@ -108,7 +108,8 @@ impl Planner<'_> {
                 && let Some(bounds) = self.survey.bounds(i, j, 1)
             {
                 tried += 1;
-                let fit = self.fit(sample, Survey::block(i, j, 1), bounds, 0.2);
+                let seeds = self.survey.seeds(i, j, 1);
+                let fit = self.fit(&seeds, Survey::block(i, j, 1), bounds, 0.2);
                 failed += usize::from(matches!(fit, Fit::Failed));
             }
         }
@@ -134,7 +135,8 @@ impl Planner<'_> {
                 && self.survey.orientation(i, j, size).is_some()
             {
                 // Between samples the border bulges by less than its distance between samples.
-                match self.fit(sample, Survey::block(i, j, size), bounds, 0.2 / size as f64) {
+                let seeds = self.survey.seeds(i, j, size);
+                match self.fit(&seeds, Survey::block(i, j, size), bounds, 0.2 / size as f64) {
                     Fit::Done(outcome) => return outcome,
                     Fit::Failed => {}
                 }
@@ -181,7 +183,7 @@ impl Planner<'_> {
             if first.is_some()
                 && senses.all(|s| s == first)
                 && let Fit::Done(outcome) =
-                    self.fit(&samples[0], cell, bounds, 0.2 / (n - 1) as f64)
+                    self.fit(&samples, cell, bounds, 0.2 / (n - 1) as f64)
             {
                 return outcome;
             }
@@ -198,18 +200,18 @@ impl Planner<'_> {
         )))
     }
 
-    /// A smooth cell's patch, or its pixels if they are few.
-    fn fit(&self, sample: &Sample, cell: Cell, bounds: [[f64; 2]; 2], bulge: f64) -> Fit {
+    /// A smooth cell's patch, or its pixels if they are few. All samples lie on its one sheet.
+    fn fit(&self, samples: &[Sample], cell: Cell, bounds: [[f64; 2]; 2], bulge: f64) -> Fit {
         let Some(rect) = self.raster.clip(bounds, bulge) else {
             return Fit::Done(Outcome::Nothing);
         };
         let pixels: f64 =
             (0..2).map(|axis| (rect[1][axis] - rect[0][axis]) * self.raster.size(axis)).product();
         if pixels < SMALL_PATCH {
-            let sample = std::slice::from_ref(sample);
-            let points = solve_pixels(self.setup, self.raster, cell, sample, false);
+            let points = solve_pixels(self.setup, self.raster, cell, samples, false);
             return Fit::Done(Outcome::Leaf(Leaf::Points(points)));
         }
+        let sample = &samples[0];
         let degree = if pixels < 900.0 { SMALL_DEGREE } else { DEGREE };
         match Patch::fit(self.setup, &mut sample.path.clone(), cell, rect, degree, self.tolerance) {
             Some(mut patch) => {

@@ -83,6 +83,18 @@ impl Survey {
         common
     }
 
+    /// A block's corners and a point within.
+    pub fn seeds(&self, i: usize, j: usize, size: usize) -> [Sample; 5] {
+        [
+            self.interior(i, j),
+            self.corner(i, j),
+            self.corner(i + size, j),
+            self.corner(i, j + size),
+            self.corner(i + size, j + size),
+        ]
+        .map(Sample::clone)
+    }
+
     /// The image cells of a block.
     pub fn block(i: usize, j: usize, size: usize) -> Cell {
         Cell { low: corner(i, j), high: corner(i + size, j + size) }
