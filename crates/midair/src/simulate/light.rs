@@ -13,7 +13,7 @@ pub enum Plate {
     /// Plane symmetry without loss, of no thickness.
     Ideal,
     /// Slit mirrors, light by light.
-    SlitMirror(SlitMirrorPlate),
+    SlitMirror(Box<SlitMirrorPlate>),
 }
 
 impl Plate {
@@ -24,10 +24,14 @@ impl Plate {
     pub fn new(model: &PlateModel) -> Result<Self, PlateError> {
         Ok(match model {
             PlateModel::Ideal => Self::Ideal,
-            PlateModel::SlitMirror(parameters) => {
-                Self::SlitMirror(SlitMirrorPlate::new(*parameters)?)
-            }
+            PlateModel::SlitMirror(parameters) => Self::from(SlitMirrorPlate::new(*parameters)?),
         })
+    }
+}
+
+impl From<SlitMirrorPlate> for Plate {
+    fn from(plate: SlitMirrorPlate) -> Self {
+        Self::SlitMirror(Box::new(plate))
     }
 }
 

@@ -86,7 +86,7 @@ fn before_a_white_display_each_layer_has_its_share() {
     let setup = furnace(60.0, vec![]);
     let viewer = Viewer { aperture: 6.0, ..pinhole(&setup, [16, 16]) };
     for model in [fine([1.0; 3], [0.0; 3]), fine([0.9, 0.8, 0.6], [0.0, 2.0, 5.0])] {
-        let got = shoot(&setup, &Plate::SlitMirror(model.clone()), &white(), &viewer, 256);
+        let got = shoot(&setup, &Plate::from(model.clone()), &white(), &viewer, 256);
         let mut expected = [[0.0; 3]; 3];
         for row in 0..16 {
             for column in 0..16 {
@@ -188,7 +188,7 @@ fn an_ideal_plate_shows_a_dot_where_the_transport_does() {
 #[test]
 fn a_fine_slit_mirror_plate_images_at_the_plane_symmetric_place() {
     let setup = setup(20.0, vec![]);
-    let plate = Plate::SlitMirror(fine([1.0; 3], [0.0; 3]));
+    let plate = Plate::from(fine([1.0; 3], [0.0; 3]));
     let viewer = Viewer { aperture: 20.0, ..pinhole(&setup, [40, 40]) };
     let got = shoot(&setup, &plate, &dot(40, 25, 11), &viewer, 256);
     let (centre, spread) = moments(&got.layers.real);
@@ -226,7 +226,7 @@ fn stray_images_are_where_the_thin_plate_says() {
     let mut viewer = pinhole(&setup, [100, 100]);
     viewer.camera.window = 10.0;
     let (column, row) = (13, 8);
-    let got = shoot(&setup, &Plate::SlitMirror(model.clone()), &dot(20, column, row), &viewer, 64);
+    let got = shoot(&setup, &Plate::from(model.clone()), &dot(20, column, row), &viewer, 64);
 
     let to_plate = |point: Vec3| setup.plate.frame.to_local(point);
     let st = [(column as f64 + 0.5) / 20.0, 1.0 - (row as f64 + 0.5) / 20.0];

@@ -2,7 +2,7 @@
 
 use super::path::{Action, Step};
 use super::setup::{Element, Matter, Setup};
-use crate::geometry::{Crossing, Hit, Ray, Search};
+use crate::geometry::{Crossing, Hit, Ray, Search, Shape};
 
 /// A path under way.
 #[derive(Clone, Copy, Debug)]
@@ -99,6 +99,13 @@ impl Setup {
                 Matter::Mirror { .. } if element.shape.is_solid() => Some(Crossing::Enter),
                 Matter::Mirror { .. } => None,
             };
+            // Light that goes away from a convex solid never comes back to it by itself.
+            if stands_here.is_some()
+                && crossing == Some(Crossing::Enter)
+                && matches!(element.shape, Shape::Convex(_))
+            {
+                continue;
+            }
             let search = Search {
                 crossing,
                 after: if stands_here.is_some() { 0.0 } else { -COINCIDENT },
