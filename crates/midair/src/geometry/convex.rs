@@ -104,10 +104,8 @@ impl Convex {
         let mut inside = Interval::ALL;
         match *self {
             Self::Sphere { .. } | Self::Ellipsoid { .. } => {
-                inside.clip_to_roots(
-                    self.curved_root(ray, Crossing::Enter),
-                    self.curved_root(ray, Crossing::Leave),
-                );
+                let [near, far] = self.curved_roots(ray);
+                inside.clip_to_roots(near, far);
             }
             Self::Box { half } => {
                 inside.clip_to_slab(o.x, d.x, half.x, 0);
@@ -122,8 +120,7 @@ impl Convex {
                     }
                     return inside;
                 }
-                let near = self.curved_root(ray, Crossing::Enter);
-                let far = self.curved_root(ray, Crossing::Leave);
+                let [near, far] = self.curved_roots(ray);
                 self.clip_to_nappe(&mut inside, ray, near, far, slope, middle_radius);
             }
         }
@@ -166,36 +163,51 @@ impl Convex {
 
     /// Where the line meets the curved face; NaN where it does not.
     fn curved_root<T: Real>(&self, ray: &Ray<T>, crossing: Crossing) -> T {
+        match (self.meetings(ray), crossing) {
+            (Meetings::Chord { middle, half }, Crossing::Enter) => middle - half,
+            (Meetings::Chord { middle, half }, Crossing::Leave) => middle + half,
+            (Meetings::Quadratic([a, b, c]), crossing) => quadratic_root(a, b, c, crossing),
+            (Meetings::None, _) => T::constant(f64::NAN),
+        }
+    }
+
+    /// Both meetings of the line with the curved face, the first one first; NaN where there are none.
+    fn curved_roots(&self, ray: &Ray) -> [f64; 2] {
+        match self.meetings(ray) {
+            Meetings::Chord { middle, half } => [middle - half, middle + half],
+            Meetings::Quadratic([a, b, c]) => quadratic_roots(a, b, c),
+            Meetings::None => [f64::NAN; 2],
+        }
+    }
+
+    #[inline]
+    fn meetings<T: Real>(&self, ray: &Ray<T>) -> Meetings<T> {
         let (o, d) = (ray.origin, ray.direction);
         match *self {
             Self::Sphere { radius } => {
                 // By way of the closest approach: no cancellation for a small or far sphere.
                 let along = o.dot(d);
                 let closest = o - d.scaled(along);
-                let half_chord = (T::constant(radius * radius) - closest.squared_length()).sqrt();
-                match crossing {
-                    Crossing::Enter => -along - half_chord,
-                    Crossing::Leave => half_chord - along,
-                }
+                let half = (T::constant(radius * radius) - closest.squared_length()).sqrt();
+                Meetings::Chord { middle: -along, half }
             }
             Self::Ellipsoid { radii } => {
                 let shrink = |v: Vec3<T>| {
                     Vec3::new(v.x * radii.x.recip(), v.y * radii.y.recip(), v.z * radii.z.recip())
                 };
                 let (o, d) = (shrink(o), shrink(d));
-                quadratic_root(d.dot(d), o.dot(d), o.dot(o) - 1.0, crossing)
+                Meetings::Quadratic([d.dot(d), o.dot(d), o.dot(o) - 1.0])
             }
             Self::Frustum { middle_radius, slope, .. } => {
                 let radius = o.y * slope + middle_radius;
                 let change = d.y * slope;
-                quadratic_root(
+                Meetings::Quadratic([
                     d.x * d.x + d.z * d.z - change * change,
                     o.x * d.x + o.z * d.z - radius * change,
                     o.x * o.x + o.z * o.z - radius * radius,
-                    crossing,
-                )
+                ])
             }
-            Self::Box { .. } => T::constant(f64::NAN),
+            Self::Box { .. } => Meetings::None,
         }
     }
 
@@ -287,12 +299,33 @@ impl Convex {
     }
 }
 
+/// What tells where a line meets a curved face.
+enum Meetings<T> {
+    /// Half a chord before and behind its middle.
+    Chord { middle: T, half: T },
+    /// Roots of a t^2 + 2 b t + c = 0.
+    Quadratic([T; 3]),
+    /// Nowhere.
+    None,
+}
+
 /// The root of a t^2 + 2 b t + c = 0 that comes first or second along the line, without cancellation
 /// (Press et al., Numerical Recipes, 5.6); NaN where there is none.
 pub(super) fn quadratic_root<T: Real>(a: T, b: T, c: T, crossing: Crossing) -> T {
+    let (q, q_over_a_is_later) = quadratic_parts(a, b, c);
+    if q_over_a_is_later == (crossing == Crossing::Leave) { q / a } else { c / q }
+}
+
+/// Both roots of a t^2 + 2 b t + c = 0, the first along the line first: see [`quadratic_root`].
+fn quadratic_roots<T: Real>(a: T, b: T, c: T) -> [T; 2] {
+    let (q, q_over_a_is_later) = quadratic_parts(a, b, c);
+    if q_over_a_is_later { [c / q, q / a] } else { [q / a, c / q] }
+}
+
+/// The roots are q / a and c / q. For a > 0, q / a is the later one where b <= 0.
+#[inline]
+fn quadratic_parts<T: Real>(a: T, b: T, c: T) -> (T, bool) {
     let root = (b * b - a * c).sqrt();
     let q = if b.value() > 0.0 { -(b + root) } else { root - b };
-    // The roots are q / a and c / q. For a > 0, q / a is the later one where b <= 0.
-    let q_over_a_is_later = (b.value() <= 0.0) == (a.value() > 0.0);
-    if q_over_a_is_later == (crossing == Crossing::Leave) { q / a } else { c / q }
+    (q, (b.value() <= 0.0) == (a.value() > 0.0))
 }

@@ -84,6 +84,20 @@ impl Vec3<f64> {
         [self.x, self.y, self.z]
     }
 
+    /// Two unit vectors at right angles to this one and to each other.
+    pub fn perpendicular(self) -> [Self; 2] {
+        let [x, y, z] = [self.x.abs(), self.y.abs(), self.z.abs()];
+        let off = if y <= x && y <= z {
+            Self::new(0.0, 1.0, 0.0)
+        } else if x <= z {
+            Self::new(1.0, 0.0, 0.0)
+        } else {
+            Self::new(0.0, 0.0, 1.0)
+        };
+        let right = self.cross(off).normalized();
+        [right, right.cross(self).normalized()]
+    }
+
     /// Whether every component is a finite number.
     pub fn is_finite(self) -> bool {
         self.x.is_finite() && self.y.is_finite() && self.z.is_finite()
@@ -112,5 +126,25 @@ impl<T: Real> Mul<f64> for Vec3<T> {
     type Output = Self;
     fn mul(self, s: f64) -> Self {
         Self::new(self.x * s, self.y * s, self.z * s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn perpendicular_vectors_make_a_frame(x in -9.0..9.0f64, y in -9.0..9.0f64, z in -9.0..9.0f64) {
+            let v = Vec3::new(x, y, z);
+            prop_assume!(v.length() > 1e-3);
+            let [a, b] = v.perpendicular();
+            // Unit vectors: a few roundings.
+            for (got, expected) in [(a.length(), 1.0), (b.length(), 1.0), (a.dot(b), 0.0)] {
+                prop_assert!((got - expected).abs() < 1e-14);
+            }
+            prop_assert!(a.dot(v).abs().max(b.dot(v).abs()) < 1e-14 * v.length());
+        }
     }
 }

@@ -89,6 +89,43 @@ pub(crate) fn cubic_weights(t: f32) -> [f32; 4] {
     ]
 }
 
+/// The four display pixels around st and their bilinear weights; nothing off the display.
+#[inline]
+pub(crate) fn bilinear_taps(st: [f64; 2], width: usize, height: usize) -> Option<[(u32, f32); 4]> {
+    // Written so that NaN is refused.
+    if !((0.0..=1.0).contains(&st[0]) && (0.0..=1.0).contains(&st[1])) {
+        return None;
+    }
+    let x = (st[0] * width as f64 - 0.5).clamp(0.0, (width - 1) as f64);
+    let y = ((1.0 - st[1]) * height as f64 - 0.5).clamp(0.0, (height - 1) as f64);
+    let (column, row) = (x as usize, y as usize);
+    let (fx, fy) = ((x - column as f64) as f32, (y - row as f64) as f32);
+    let right = (column + 1).min(width - 1);
+    let (line, below) = (row * width, (row + 1).min(height - 1) * width);
+    Some([
+        ((line + column) as u32, (1.0 - fx) * (1.0 - fy)),
+        ((line + right) as u32, fx * (1.0 - fy)),
+        ((below + column) as u32, (1.0 - fx) * fy),
+        ((below + right) as u32, fx * fy),
+    ])
+}
+
+impl Picture {
+    /// What a display that shows this picture emits at st (right, up, \[0, 1\]): bilinear between the
+    /// pixels' centres, the edge going on beyond the outermost; `None` off the display.
+    #[inline]
+    pub fn emitted(&self, st: [f64; 2]) -> Option<[f32; 4]> {
+        let mut sum = [0.0; 4];
+        for (pixel, weight) in bilinear_taps(st, self.width, self.height)? {
+            let value = &self.pixels[pixel as usize];
+            for c in 0..4 {
+                sum[c] += weight * value[c];
+            }
+        }
+        Some(sum)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -117,6 +154,20 @@ mod tests {
             let value = sampler.cubic(x, y);
             // The weights sum to 1 within a few float roundings.
             assert!((0..4).all(|c| (value[c] - picture.pixels[0][c]).abs() < 1e-6));
+        }
+    }
+
+    #[test]
+    fn a_display_emits_its_pixels_at_their_centres_and_the_mean_between() {
+        let mut picture = Picture::filled(2, 2, [0.0, 0.0, 0.0, 1.0]);
+        picture.pixels[0] = [1.0, 0.5, 0.25, 1.0];
+        // The first pixel is at the top left: s = 1/4, t = 3/4. Powers of two are exact in float.
+        assert_eq!(picture.emitted([0.25, 0.75]), Some([1.0, 0.5, 0.25, 1.0]));
+        assert_eq!(picture.emitted([0.0, 1.0]), Some([1.0, 0.5, 0.25, 1.0]));
+        assert_eq!(picture.emitted([0.5, 0.5]), Some([0.25, 0.125, 0.0625, 1.0]));
+        assert_eq!(picture.emitted([0.75, 0.25]), Some([0.0, 0.0, 0.0, 1.0]));
+        for off in [[-0.01, 0.5], [0.5, 1.01], [f64::NAN, 0.5]] {
+            assert_eq!(picture.emitted(off), None);
         }
     }
 }

@@ -1,5 +1,24 @@
 //! The forward simulator: what the viewpoint sees.
+//!
+//! Two ways: [`Camera::samples`] with [`view_through`](crate::media::optimal::view_through) follow the one
+//! course that light has through an ideal plate and clear elements; [`render`] follows light by chance
+//! with everything that happens to it, through a pupil of any size and a plate of any kind.
 
 mod camera;
+mod chart;
+mod film;
+mod lens;
+mod light;
+mod render;
+#[cfg(test)]
+mod tests;
+pub mod tone;
 
 pub use camera::Camera;
+pub use chart::{Chart, colour_map, point_spread_chart, shares_chart, viewpoints_chart};
+pub use film::{ErrorEstimate, Layers, Light, Render};
+pub use lens::Viewer;
+pub use light::Plate;
+pub use render::{
+    COLOUR_WAVELENGTHS, Progress, Settings, SimulateError, Watch, render, render_with_dispersion,
+};

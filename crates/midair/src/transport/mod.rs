@@ -7,7 +7,9 @@ mod path;
 mod setup;
 #[cfg(test)]
 pub(crate) mod tests;
+mod walk;
 
 pub use build::{DESIGN_WAVELENGTH, SetupError};
 pub use path::{Action, End, Path, Step, on_display};
 pub use setup::{Element, MAX_SOLIDS, Matter, Setup};
+pub use walk::Walk;

@@ -1,7 +1,8 @@
 //! A set-up ready for tracing.
 
 use super::path::{Action, End, Path, Step};
-use crate::geometry::{Crossing, Dual, Frame, Ray, Real, Rectangle, Search, Shape, Vec3};
+use super::walk::Walk;
+use crate::geometry::{Crossing, Dual, Frame, Ray, Real, Rectangle, Shape, Vec3};
 use crate::optics::interface::{reflect, refract};
 use crate::optics::plate::pass_ideal;
 
@@ -59,11 +60,6 @@ pub struct Setup {
     pub follow_total_reflection: bool,
 }
 
-/// Surfaces that coincide (water in its glass) are met in the order of their parities, not of their rounding: a
-/// hit this little behind the start still counts, if the path is on the side that it asks for. 1e-9 mm is
-/// a thousand times the rounding of coordinates of a metre, and far below anything optical.
-const COINCIDENT: f64 = 1e-9;
-
 /// The most refractive solids in a set-up: one bit each.
 pub const MAX_SOLIDS: usize = 64;
 
@@ -86,13 +82,10 @@ impl Setup {
 
     /// Follows a ray to its end, finding at each step what it meets first.
     ///
-    /// Solids that overlap are resolved by rank: the medium at a point is that of the highest-ranked solid around
-    /// it. A solid's surface counts only where it fits the side that the path is on, so neither
-    /// coinciding surfaces nor rounding can make a path enter twice.
-    pub fn trace(&self, mut ray: Ray, path: &mut Path) -> End {
+    /// Solids that overlap are resolved by rank: see [`Setup::meet`].
+    pub fn trace(&self, ray: Ray, path: &mut Path) -> End {
         path.clear();
-        let mut inside = 0u64;
-        let mut standing: Option<Step> = None;
+        let mut walk = Walk::new(ray);
         let mut plate_passed = None;
         loop {
             if path.len() >= self.max_interactions {
@@ -102,33 +95,26 @@ impl Setup {
                 None => &self.plate,
                 Some(_) => &self.display,
             };
+            let ray = walk.ray;
             let towards = ray.direction.dot(goal.frame.normal());
             let mut goal_distance = goal.plane_distance(&ray);
             // NaN (parallel within the plane) counts as no meeting.
             if !(goal_distance > 0.0) {
                 goal_distance = f64::INFINITY;
             }
-            if let Some((index, hit)) = self.nearest(&ray, inside, standing, goal_distance) {
-                let element = &self.elements[index];
-                let step = self.interact(index as u16, element, hit, inside);
+            if let Some(step) = self.meet(&walk, goal_distance) {
                 let advanced = self.advance(&ray, &step);
                 let (step, advanced) = if advanced.direction.x.is_nan() {
                     if !self.follow_total_reflection {
-                        return End::TotalReflection { element: index as u16 };
+                        return End::TotalReflection { element: step.element };
                     }
                     let step = Step { action: Action::Reflect, ..step };
                     (step, self.advance(&ray, &step))
                 } else {
-                    if let (Matter::Refractive { .. }, Action::Refract { .. } | Action::Pass) =
-                        (element.matter, step.action)
-                    {
-                        inside ^= 1 << element.rank;
-                    }
                     (step, advanced)
                 };
-                ray = advanced;
+                self.take(&mut walk, step, advanced);
                 path.push(step);
-                standing = Some(step);
                 continue;
             }
             if goal_distance == f64::INFINITY {
@@ -146,11 +132,10 @@ impl Setup {
                         seamless: false,
                         action: Action::Plate,
                     };
-                    ray = self.advance(&ray, &step);
-                    let at = self.plate.coordinates(ray.origin);
+                    walk.leave_plate(self.advance(&ray, &step));
+                    let at = self.plate.coordinates(walk.ray.origin);
                     plate_passed = Some(at.iter().all(|c| (0.0..=1.0).contains(c)));
                     path.push(step);
-                    standing = None;
                 }
                 Some(through_plate) => {
                     if towards >= 0.0 {
@@ -163,79 +148,6 @@ impl Setup {
         }
     }
 
-    /// The element that the ray meets first, nearer than `limit`.
-    fn nearest(
-        &self,
-        ray: &Ray,
-        inside: u64,
-        standing: Option<Step>,
-        limit: f64,
-    ) -> Option<(usize, crate::geometry::Hit)> {
-        let mut best: Option<(usize, crate::geometry::Hit)> = None;
-        let mut limit = limit;
-        for (index, element) in self.elements.iter().enumerate() {
-            let stands_here = standing.filter(|s| usize::from(s.element) == index);
-            let crossing = match element.matter {
-                Matter::Refractive { .. } if inside >> element.rank & 1 == 1 => {
-                    Some(Crossing::Leave)
-                }
-                Matter::Refractive { .. } => Some(Crossing::Enter),
-                Matter::Mirror { .. } if element.shape.is_solid() => Some(Crossing::Enter),
-                Matter::Mirror { .. } => None,
-            };
-            let search = Search {
-                crossing,
-                after: if stands_here.is_some() { 0.0 } else { -COINCIDENT },
-                standing_on: stands_here.map(|s| s.face),
-            };
-            if let Some(hit) = element.shape.nearest(&ray.to_local(&element.frame), search)
-                && hit.t < limit
-            {
-                limit = hit.t;
-                best = Some((index, hit));
-            }
-        }
-        best
-    }
-
-    fn interact(
-        &self,
-        index: u16,
-        element: &Element,
-        hit: crate::geometry::Hit,
-        inside: u64,
-    ) -> Step {
-        let action = match element.matter {
-            Matter::Mirror { .. } => Action::Reflect,
-            Matter::Refractive { .. } => {
-                let before = self.medium_index(inside);
-                let behind = self.medium_index(inside ^ 1 << element.rank);
-                if before == behind {
-                    Action::Pass
-                } else {
-                    Action::Refract { eta: before / behind }
-                }
-            }
-        };
-        let seamless = element.shape.smooth_mesh().is_some();
-        Step { element: index, crossing: hit.crossing, face: hit.face, seamless, action }
-    }
-
-    /// Refractive index where the path is inside these solids (a bit for each rank); 1 in the open.
-    fn medium_index(&self, inside: u64) -> f64 {
-        if inside == 0 {
-            return 1.0;
-        }
-        let rank = 63 - inside.leading_zeros() as u8;
-        self.elements
-            .iter()
-            .find_map(|e| match e.matter {
-                Matter::Refractive { index, .. } if e.rank == rank => Some(index),
-                _ => None,
-            })
-            .unwrap_or(1.0)
-    }
-
     /// One step of a path whose course is known. NaN where the step is not possible.
     pub fn advance<T: Real>(&self, ray: &Ray<T>, step: &Step) -> Ray<T> {
         if step.action == Action::Plate {
@@ -243,20 +155,26 @@ impl Setup {
             let normal = Vec3::constant(self.plate.frame.normal());
             return Ray { origin, direction: pass_ideal(ray.direction, normal) };
         }
-        let element = &self.elements[usize::from(step.element)];
-        let local = ray.to_local(&element.frame);
-        let (t, normal) = element.shape.cross(&local, step.face, step.crossing);
+        let (t, direction, normal) = self.facet(ray, step);
         let origin = ray.at(t);
         let direction = match step.action {
             Action::Pass | Action::Plate => return Ray { origin, direction: ray.direction },
-            Action::Reflect => reflect(local.direction, normal),
-            Action::Refract { eta } => {
-                let against =
-                    if local.direction.dot(normal).value() > 0.0 { -normal } else { normal };
-                refract(local.direction, against, T::constant(eta))
-            }
+            Action::Reflect => reflect(direction, normal),
+            Action::Refract { eta } => refract(direction, normal, T::constant(eta)),
         };
-        Ray { origin, direction: element.frame.to_world_direction(direction) }
+        let frame = &self.elements[usize::from(step.element)].frame;
+        Ray { origin, direction: frame.to_world_direction(direction) }
+    }
+
+    /// Where a ray crosses the surface of a step at an element: the distance, and in the element's frame
+    /// the ray's direction and the unit normal on the side that the ray comes from.
+    #[inline]
+    pub fn facet<T: Real>(&self, ray: &Ray<T>, step: &Step) -> (T, Vec3<T>, Vec3<T>) {
+        let element = &self.elements[usize::from(step.element)];
+        let local = ray.to_local(&element.frame);
+        let (t, normal) = element.shape.cross(&local, step.face, step.crossing);
+        let against = if local.direction.dot(normal).value() > 0.0 { -normal } else { normal };
+        (t, local.direction, against)
     }
 
     /// F along a known path, continued smoothly beyond the path's own region; NaN where it ceases to exist.

@@ -1,6 +1,7 @@
 //! The view as a linear function of the display's pixels, as a sparse matrix and its transpose.
 
 use super::ViewSamples;
+use crate::media::interpolate::bilinear_taps;
 use rayon::prelude::*;
 
 /// Compressed sparse rows.
@@ -131,27 +132,6 @@ impl SparseRows {
             })
             .collect()
     }
-}
-
-/// The four display pixels around st and their bilinear weights; nothing off the display.
-#[inline]
-pub(super) fn bilinear_taps(st: [f64; 2], width: usize, height: usize) -> Option<[(u32, f32); 4]> {
-    // Written so that NaN is refused.
-    if !((0.0..=1.0).contains(&st[0]) && (0.0..=1.0).contains(&st[1])) {
-        return None;
-    }
-    let x = (st[0] * width as f64 - 0.5).clamp(0.0, (width - 1) as f64);
-    let y = ((1.0 - st[1]) * height as f64 - 0.5).clamp(0.0, (height - 1) as f64);
-    let (column, row) = (x as usize, y as usize);
-    let (fx, fy) = ((x - column as f64) as f32, (y - row as f64) as f32);
-    let right = (column + 1).min(width - 1);
-    let (line, below) = (row * width, (row + 1).min(height - 1) * width);
-    Some([
-        ((line + column) as u32, (1.0 - fx) * (1.0 - fy)),
-        ((line + right) as u32, fx * (1.0 - fy)),
-        ((below + column) as u32, (1.0 - fx) * fy),
-        ((below + right) as u32, fx * fy),
-    ])
 }
 
 /// Appends a view pixel's row, entries of the same column added up.

@@ -1,7 +1,8 @@
 //! The paper's way: what the view's rays see of the image lands on the display.
 
-use super::{OptimalError, ViewSamples, check_samples, operator::bilinear_taps};
+use super::{OptimalError, ViewSamples, check_samples};
 use crate::media::Picture;
+use crate::media::interpolate::bilinear_taps;
 
 /// The averaged scatter, the baseline that [`optimal_display`](super::optimal_display) is measured
 /// against: each ray carries the target's colour at its view pixel to where it ends on the

@@ -1,8 +1,7 @@
 //! How sharp the mid-air image is: point-spread and modulation transfer in its plane.
 
 use crate::geometry::{Ray, Rectangle, Vec3};
-use crate::optics::plate::shares::luminance;
-use crate::optics::plate::{Class, SlitMirrorPlate};
+use crate::optics::plate::{Class, SlitMirrorPlate, luminance};
 
 /// How a point of the image is looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +42,7 @@ pub fn point_spread(
     settings: &PointSpreadSettings,
 ) -> PointSpread {
     let sight = (at - settings.eye).normalized();
-    let [right, up] = perpendicular(sight);
+    let [right, up] = sight.perpendicular();
     let pitch = model.parameters().pitch;
     let at_image = image.frame.to_local(at);
     let mut light = Vec::new();
@@ -138,20 +137,6 @@ impl PointSpread {
         }
         cells
     }
-}
-
-/// Two unit vectors at right angles to `d` and to each other.
-fn perpendicular(d: Vec3) -> [Vec3; 2] {
-    let [x, y, z] = [d.x.abs(), d.y.abs(), d.z.abs()];
-    let off = if y <= x && y <= z {
-        Vec3::new(0.0, 1.0, 0.0)
-    } else if x <= z {
-        Vec3::new(1.0, 0.0, 0.0)
-    } else {
-        Vec3::new(0.0, 0.0, 1.0)
-    };
-    let right = d.cross(off).normalized();
-    [right, right.cross(d)]
 }
 
 /// The i-th point of Roberts's R4 sequence in \[0, 1)^4: steps by powers of 1 / g, g^5 = g + 1.
