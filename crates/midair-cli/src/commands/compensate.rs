@@ -192,7 +192,8 @@ fn optimal(
     let camera = Camera::at_viewpoint(setup, size);
     check_view(size, camera.supersampling)?;
     let open = Reference::new(loaded, &camera, &|_| {});
-    let target = view_through(&open.samples, &display_image(picture, &Map::identity(width, height)))?;
+    let target =
+        view_through(&open.samples, &display_image(picture, &Map::identity(width, height)))?;
     let samples = camera.samples(setup, &|_| {});
     Ok(optimal_display(&samples, &target, initial, Weighting::default())?.display)
 }
