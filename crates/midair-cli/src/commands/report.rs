@@ -93,7 +93,7 @@ pub fn write_proof(
     for (name, time) in &proof.timings {
         voice.explain(&format!("{name}: {:.1} ms", time.as_secs_f64() * 1e3));
     }
-    voice.explain(&wrote(&files).trim_end().to_owned());
+    voice.explain(wrote(&files).trim_end());
     let page = files.iter().find(|file| file.ends_with("report.html"));
     let page = page.map(|page| page.display().to_string()).unwrap_or_default();
     let mut told = report;

@@ -51,10 +51,11 @@ fn without_an_object_all_ways_show_the_reference() {
     }
     let splat = proof.splat.unwrap();
     assert_eq!(splat.reached, 256 * 256);
-    // Of 4 random samples in its square a pixel misses all with probability (1 - 1/N)^(4N), e^-4; six standard
-    // deviations of the binomial.
-    let expected = (-4.0f64).exp() * 65536.0;
-    assert!((splat.holes as f64 - expected).abs() < 6.0 * expected.sqrt(), "{}", splat.holes);
+    // Here each pixel gets exactly its own 4 samples: their mean strays from the centre by 1/sqrt(12 * 4) of a pixel along each
+    // axis. Of 65536 pixels the rms is known to 0.3 %; six standard deviations.
+    assert_eq!(splat.holes, 0);
+    let expected = (2.0f64 / 48.0).sqrt() / 256.0;
+    assert!((splat.rms_error / expected - 1.0).abs() < 0.02, "{} {expected}", splat.rms_error);
 }
 
 #[test]
