@@ -1,7 +1,7 @@
 //! `cargo xtask pictures`: remakes the pictures that the README and the book show.
 
 use crate::{book, process, setup};
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use std::path::Path;
 use std::process::Command;
 
@@ -11,11 +11,20 @@ const FOLDER: &str = "docs/pictures";
 /// Side by side in each strip: seen of an uncompensated display, the compensated display, seen of that.
 const STRIP: [&str; 3] = ["view-uncompensated.png", "display.png", "view-compensated.png"];
 
-/// Strips of scenes beside the demo's: the picture's name, the scene.
-const SCENES: [(&str, &str); 3] = [
-    ("cube.png", "scenes/paper/cube.toml"),
+/// Strips of scenes beside the demo's and the tutorial's: the picture's name, the scene.
+const SCENES: [(&str, &str); 2] = [
     ("bent-mirror.png", "scenes/paper/bent-mirror-convex.toml"),
     ("glass-of-water.png", "scenes/glass-of-water.toml"),
+];
+
+/// The tutorial's cube: the paper's, with a display that covers all of the image.
+const TUTORIAL: [(&str, &str); 2] = [
+    ("scenes/paper/cube.toml", "resolution = [1024, 1024]"),
+    (
+        "cube.toml",
+        "resolution = [1024, 1024]\nposition = [-4.7, -150.0, -150.0]\n\
+         rotation = [-90.0, 0.0, 0.0]\nsize = [32.0, 32.0]",
+    ),
 ];
 
 /// Runs the program and puts its pictures where the pages look for them.
@@ -30,10 +39,17 @@ pub fn run() -> Result<()> {
 
     process::run(midair().arg("demo").arg("--out").arg(out.path().join("demo")))?;
     strip(&out.path().join("demo"), &pictures.join("demo.png"))?;
-    for (name, scene) in SCENES {
+    let [(paper, too_small), (file, large)] = TUTORIAL;
+    let scene = std::fs::read_to_string(crate::root().join(paper))?;
+    ensure!(scene.contains(too_small), "{paper} has another display");
+    let cube = out.path().join(file);
+    std::fs::write(&cube, scene.replace(too_small, large))?;
+
+    let scenes = SCENES.map(|(name, scene)| (name, crate::root().join(scene)));
+    for (name, scene) in scenes.into_iter().chain([("cube.png", cube)]) {
         let folder = out.path().join(name);
         let mut report = midair();
-        report.args(["report", scene, "--splat-spp", "0", "--out"]).arg(&folder);
+        report.arg("report").arg(scene).args(["--splat-spp", "0", "--out"]).arg(&folder);
         process::run(&mut report)?;
         strip(&folder, &pictures.join(name))?;
     }

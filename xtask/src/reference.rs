@@ -150,7 +150,7 @@ fn value(schema: &Value) -> String {
         },
         kind @ ("number" | "integer") => {
             let name = if kind == "number" { "number" } else { "whole number" };
-            let bound = |key: &str| schema[key].as_f64().filter(|b| b.abs() < 1e5 && *b != 1e-6);
+            let bound = |key: &str| schema[key].as_f64().filter(|b| b.abs() < 3.6e4 && *b != 1e-6);
             match (bound("minimum"), bound("maximum")) {
                 (Some(low), Some(high)) => format!("{name}, {low} to {high}"),
                 (Some(low), None) => format!("{name}, {low} or more"),
