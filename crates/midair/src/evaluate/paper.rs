@@ -338,21 +338,17 @@ impl Evaluation {
                 sections.push(Section { heading: heading.to_owned(), blocks });
             }
         };
-        section(
-            "Shape: the lattice over azimuth",
-            self.shapes
-                .iter()
-                .flat_map(|shape| {
-                    let caption =
-                        format!("{}: displacement over the camera's azimuth.", shape.surface);
-                    let image = Image::Line(shape_chart(shape));
-                    [
-                        Block::Figures(vec![Figure { image, caption }]),
-                        Block::Table(shape_table(shape)),
-                    ]
-                })
-                .collect(),
-        );
+        let charts: Vec<Figure> = self
+            .shapes
+            .iter()
+            .map(|shape| Figure {
+                image: Image::Line(shape_chart(shape)),
+                caption: format!("{}: displacement over the camera’s azimuth.", shape.surface),
+            })
+            .collect();
+        let charts = (!charts.is_empty()).then_some(Block::Figures(charts));
+        let tables = self.shapes.iter().map(|shape| Block::Table(shape_table(shape)));
+        section("Shape: the lattice over azimuth", charts.into_iter().chain(tables).collect());
         let tables = surfaces(&self.quality).into_iter();
         section(
             "Likeness of the views",

@@ -22,12 +22,12 @@ pub struct Series {
     pub points: Vec<[f64; 2]>,
 }
 
-const WIDTH: f64 = 640.0;
-const HEIGHT: f64 = 380.0;
+const WIDTH: f64 = 540.0;
+const HEIGHT: f64 = 370.0;
 const LEFT: f64 = 62.0;
 const RIGHT: f64 = 16.0;
-const TOP: f64 = 58.0;
-const BOTTOM: f64 = 52.0;
+const TOP: f64 = 62.0;
+const BOTTOM: f64 = 56.0;
 
 /// Places on an axis at a step of 1, 2 or 5 times a power of ten, about `count` of them, that
 /// span [from, to].
@@ -151,8 +151,8 @@ impl LineChart {
                 &mut out,
                 format_args!("<text x=\"{:.1}\" y=\"19.5\">{name}</text>", legend + 33.0),
             );
-            // Letters are about 7 units wide at this size.
-            legend += 55.0 + 7.0 * series.name.chars().count() as f64;
+            // Letters are about 8 units wide at this size.
+            legend += 55.0 + 8.0 * series.name.chars().count() as f64;
         }
         out.push_str("</svg>");
         out

@@ -177,25 +177,25 @@ fn labels_have_the_decimals_of_their_step() {
 }
 
 #[test]
-fn arrows_are_exaggerated_by_a_stated_power_of_ten() {
+fn arrows_are_exaggerated_by_a_stated_round_number() {
     let chart = |length: f64| VectorChart {
         size: [700.0, 700.0],
         lines: 7,
         reference: vec![Some([100.0, 100.0]), Some([200.0, 100.0])],
         seen: vec![Some([100.0 + length, 100.0]), None],
     };
-    // Spacing 100 px: 3 px times 10 stays below it, times 100 does not.
-    assert_eq!(chart(3.0).exaggeration(), 10.0);
-    assert_eq!(chart(0.02).exaggeration(), 1000.0);
+    // Spacing 100 px: 3 px times 20 stays below it, times 50 does not.
+    assert_eq!(chart(3.0).exaggeration(), 20.0);
+    assert_eq!(chart(0.02).exaggeration(), 5000.0);
     assert_eq!(chart(170.0).exaggeration(), 1.0);
     assert_eq!(chart(0.0).exaggeration(), 1e6);
     let svg = chart(3.0).to_svg();
-    // 480 units for 700 px: the tip at (100 + 10 * 3) px.
+    // 480 units for 700 px: the tip at (100 + 20 * 3) px.
     assert!(
-        svg.contains(&format!("M{:.1} {:.1}L", 480.0 / 700.0 * 130.0, 480.0 / 700.0 * 100.0)),
+        svg.contains(&format!("M{:.1} {:.1}L", 480.0 / 700.0 * 160.0, 480.0 / 700.0 * 100.0)),
         "{svg}"
     );
-    assert!(svg.contains("arrows 10 ×") && svg.contains("1 not found"));
+    assert!(svg.contains("arrows 20 ×") && svg.contains("1 not found"));
 }
 
 #[test]

@@ -19,8 +19,8 @@ pub struct VectorChart {
 const WIDTH: f64 = 480.0;
 
 impl VectorChart {
-    /// How many times longer than true the arrows are drawn: a power of ten that keeps the
-    /// longest below the lattice's spacing, at least 1.
+    /// How many times longer than true the arrows are drawn: 1, 2 or 5 times a power of
+    /// ten, that keeps the longest below the lattice's spacing; at least 1.
     pub fn exaggeration(&self) -> f64 {
         let longest = self
             .reference
@@ -33,8 +33,13 @@ impl VectorChart {
             .fold(0.0, f64::max);
         let spacing = self.size[0] / self.lines.max(1) as f64;
         // Beyond a million there is nothing but rounding to see.
-        let times = (spacing / longest.max(1e-300)).log10().floor().clamp(0.0, 6.0);
-        10_f64.powf(times)
+        let most = (spacing / longest.max(1e-300)).clamp(1.0, 1e6);
+        let power = 10_f64.powf(most.log10().floor());
+        [5.0, 2.0]
+            .into_iter()
+            .map(|times| times * power)
+            .find(|times| *times <= most)
+            .unwrap_or(power)
     }
 
     /// The chart as an SVG element for a page of [`super::Page`].
