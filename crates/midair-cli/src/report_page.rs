@@ -109,7 +109,7 @@ impl Facts<'_> {
         let Self { loaded, setup, proof, .. } = self;
         let [width, height] = setup.resolution;
         let mut lines = format!(
-            "{}: {width} x {height} display pixels mapped in {:.1} ms, each ok one to {:.4} pixels of a 1024-pixel image\n\
+            "{}: {width} x {height} display pixels mapped in {:.1} ms, each ok one to {:.0e} pixels of a 1024-pixel image\n\
              {}\n{:34}{:>12}{:>12}{:>9}{:>12}\n",
             loaded.scene.name,
             proof.map_time.as_secs_f64() * 1e3,
@@ -220,7 +220,7 @@ impl Facts<'_> {
                 "The map",
                 format!("{:.1} ms", proof.map_time.as_secs_f64() * 1e3),
                 format!(
-                    "every ok pixel within {:.4} pixels of a 1024-pixel image",
+                    "every ok pixel within {:.0e} pixels of a 1024-pixel image",
                     proof.map.error_bound * 1024.0
                 ),
             ),

@@ -253,7 +253,7 @@ pub fn stretch_note(setup: &Setup, picture: &Picture) -> Option<String> {
 fn bound_line(map: &Map) -> String {
     if map.error_bound.is_finite() {
         format!(
-            "every ok pixel is within {:.1e} of exact ({:.4} pixels of a 1024-pixel image)",
+            "every ok pixel is within {:.1e} of exact ({:.0e} pixels of a 1024-pixel image)",
             map.error_bound,
             map.error_bound * 1024.0
         )

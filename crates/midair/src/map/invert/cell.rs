@@ -1,5 +1,6 @@
 //! A rectangle of the image that is inverted on its own.
 
+use super::tally::count_ray;
 use crate::transport::{End, Path, Setup};
 
 /// A half-open rectangle of image coordinates.
@@ -49,6 +50,7 @@ pub(super) struct Sample {
 impl Sample {
     pub fn take(setup: &Setup, uv: [f64; 2]) -> Self {
         let mut path = Path::new();
+        count_ray();
         let end = setup.transport(uv, &mut path);
         Self { uv, end, path }
     }

@@ -5,6 +5,7 @@ use super::cell::{Cell, Sample};
 use super::newton::{apply_inverse, solve};
 use super::pixels::{Point, Raster, SAME};
 use super::survey::{EMPTY, extend, sense};
+use super::tally::counted;
 use crate::map::pixel_centre;
 use crate::transport::Setup;
 use rayon::prelude::*;
@@ -21,30 +22,32 @@ const FINE: usize = 2;
 /// Newton steps: from a guess that is good to a fraction of a cell three do, and over creases five.
 const FEW: usize = 6;
 
-/// The answers of all pixels that a grid of cells over the whole image reaches.
-pub(super) fn solve_densely(setup: &Setup, raster: Raster) -> Vec<Vec<Point>> {
+/// The answers of all pixels that a grid of cells over the whole image reaches, and the rays that they took, band by band.
+pub(super) fn solve_densely(setup: &Setup, raster: Raster) -> Vec<(Vec<Point>, u64)> {
     let columns = (raster.width as f64 / SIDE).ceil() as usize;
     let rows = (raster.height as f64 / SIDE).ceil() as usize;
     let corner = |i: usize, j: usize| [i as f64 / columns as f64, j as f64 / rows as f64];
     (0..rows.div_ceil(BAND))
         .into_par_iter()
         .map(|band| {
-            let sample_row = |j: usize| -> Vec<Sample> {
-                (0..=columns).map(|i| Sample::take(setup, corner(i, j))).collect()
-            };
-            let mut points = Vec::new();
-            let first = band * BAND;
-            let mut below = sample_row(first);
-            for j in first..(first + BAND).min(rows) {
-                let above = sample_row(j + 1);
-                for i in 0..columns {
-                    let cell = Cell { low: corner(i, j), high: corner(i + 1, j + 1) };
-                    let corners = [&below[i], &below[i + 1], &above[i], &above[i + 1]];
-                    solve_cell(setup, raster, cell, corners, 0, &mut points);
+            counted(|| {
+                let sample_row = |j: usize| -> Vec<Sample> {
+                    (0..=columns).map(|i| Sample::take(setup, corner(i, j))).collect()
+                };
+                let mut points = Vec::new();
+                let first = band * BAND;
+                let mut below = sample_row(first);
+                for j in first..(first + BAND).min(rows) {
+                    let above = sample_row(j + 1);
+                    for i in 0..columns {
+                        let cell = Cell { low: corner(i, j), high: corner(i + 1, j + 1) };
+                        let corners = [&below[i], &below[i + 1], &above[i], &above[i + 1]];
+                        solve_cell(setup, raster, cell, corners, 0, &mut points);
+                    }
+                    below = above;
                 }
-                below = above;
-            }
-            points
+                points
+            })
         })
         .collect()
 }

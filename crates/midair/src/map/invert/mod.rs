@@ -16,6 +16,7 @@ mod patch;
 mod pixels;
 mod plan;
 mod survey;
+mod tally;
 #[cfg(test)]
 mod tests;
 
@@ -48,6 +49,8 @@ pub struct Effort {
     pub patches: usize,
     /// Pixels solved one by one.
     pub solved_pixels: usize,
+    /// Rays traced: points of the image at which F, with or without its derivatives, was worked out.
+    pub rays: u64,
 }
 
 /// G on the display's pixels.
@@ -61,9 +64,9 @@ pub fn invert(setup: &Setup, accuracy: Accuracy) -> (Map, Effort) {
 /// [`invert`] into a map that is already there, of any size: its memory is used again.
 pub fn invert_into(setup: &Setup, accuracy: Accuracy, map: &mut Map) -> Effort {
     let raster = Raster { width: map.width, height: map.height };
-    let leaves = plan(setup, raster, accuracy.tolerance);
+    let (leaves, rays) = plan(setup, raster, accuracy.tolerance);
     fill(&leaves, raster, accuracy.tolerance, map);
-    let mut effort = Effort::default();
+    let mut effort = Effort { rays, ..Effort::default() };
     for leaf in &leaves {
         match leaf {
             Leaf::Patch(_) => effort.patches += 1,

@@ -1,5 +1,6 @@
 //! Solving F(uv) = st on one sheet of the transport.
 
+use super::tally::count_ray;
 use crate::transport::{Setup, Step};
 
 /// A solution on a sheet, with the Jacobian of F there.
@@ -25,6 +26,7 @@ pub(super) fn solve(
 ) -> Option<Solution> {
     let mut uv = start;
     for _ in 0..iterations {
+        count_ray();
         let (at, jacobian) = setup.follow_with_jacobian(uv, path);
         let step = apply_inverse(jacobian, [st[0] - at[0], st[1] - at[1]]);
         let length = step[0].abs().max(step[1].abs());

@@ -2,6 +2,7 @@
 
 use super::Cell;
 use super::newton::{ITERATIONS, Solution, apply_inverse, determinant, solve};
+use super::tally::count_ray;
 use crate::transport::{Setup, Step};
 
 /// The inverse of one sheet over a rectangle of the display: two polynomials of degree `degree` in each of the
@@ -108,6 +109,7 @@ impl Patch {
                 let [s, t] = [a, b].map(|k| (std::f64::consts::PI * k as f64 / n as f64).cos());
                 let uv = self.row(t).at(s);
                 let st = place(s, t);
+                count_ray();
                 let (at, jacobian) = setup.follow_with_jacobian(uv, path);
                 let error = apply_inverse(jacobian, [at[0] - st[0], at[1] - st[1]]);
                 let error = error[0].hypot(error[1]);

@@ -2,6 +2,7 @@
 
 use super::cell::{Cell, Sample};
 use super::newton::{ITERATIONS, apply_inverse, determinant, solve};
+use super::tally::count_ray;
 use crate::map::pixel_centre;
 use crate::transport::Setup;
 use std::collections::HashSet;
@@ -99,6 +100,7 @@ pub(super) fn solve_pixels(
         let mut seed = seeds[next].clone();
         next += 1;
         let Some((_, through_plate)) = seed.arrives() else { continue };
+        count_ray();
         let (_, jacobian) = setup.follow_with_jacobian(seed.uv, &mut seed.path);
         let sense = determinant(jacobian).signum();
         let of_seed = |s: &Spread| s.sense == sense && s.sheet.same_sheet(&seed);

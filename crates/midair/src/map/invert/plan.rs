@@ -5,6 +5,7 @@ use super::dense::solve_densely;
 use super::patch::Patch;
 use super::pixels::{Point, Raster, solve_pixels};
 use super::survey::{CELLS, EMPTY, Survey, extend, sense};
+use super::tally::counted;
 use crate::transport::Setup;
 use rayon::prelude::*;
 
@@ -35,19 +36,23 @@ const SMALL_PATCH: f64 = 60.0;
 /// unseen reaches less than two pixels deep into it, so that its pixels lie within one pixel of the border.
 const SPACING: f64 = 4.0;
 
-/// Inverts F cell by cell.
-pub(super) fn plan(setup: &Setup, raster: Raster, tolerance: f64) -> Vec<Leaf> {
+/// Inverts F cell by cell. Also returns the number of rays traced.
+pub(super) fn plan(setup: &Setup, raster: Raster, tolerance: f64) -> (Vec<Leaf>, u64) {
     let survey = Survey::take(setup);
+    let mut rays = Survey::RAYS;
     let planner = Planner { setup, raster, tolerance, border: border(&survey), survey };
     if planner.is_creased() {
-        return solve_densely(setup, raster).into_iter().map(Leaf::Points).collect();
+        let (bands, counts): (Vec<_>, Vec<u64>) = solve_densely(setup, raster).into_iter().unzip();
+        return (bands.into_iter().map(Leaf::Points).collect(), rays + counts.iter().sum::<u64>());
     }
     let mut tasks = vec![Task::Block { i: 0, j: 0, size: CELLS }];
     let mut leaves = Vec::new();
     while !tasks.is_empty() {
-        let outcomes: Vec<Outcome> = tasks.par_iter().map(|task| planner.process(task)).collect();
+        let outcomes: Vec<(Outcome, u64)> =
+            tasks.par_iter().map(|task| counted(|| planner.process(task))).collect();
         tasks.clear();
-        for outcome in outcomes {
+        for (outcome, traced) in outcomes {
+            rays += traced;
             match outcome {
                 Outcome::Nothing => {}
                 Outcome::Leaf(leaf) => leaves.push(leaf),
@@ -55,7 +60,7 @@ pub(super) fn plan(setup: &Setup, raster: Raster, tolerance: f64) -> Vec<Leaf> {
             }
         }
     }
-    leaves
+    (leaves, rays)
 }
 
 enum Outcome {

@@ -17,6 +17,9 @@ pub(super) struct Survey {
 }
 
 impl Survey {
+    /// Rays that it takes.
+    pub const RAYS: u64 = ((CELLS + 1) * (CELLS + 1) + CELLS * CELLS) as u64;
+
     pub fn take(setup: &Setup) -> Self {
         let rows = CELLS + 1;
         let corners: Vec<Sample> = (0..rows * rows)
