@@ -187,8 +187,7 @@ impl Planner<'_> {
             let first = senses.next().flatten();
             if first.is_some()
                 && senses.all(|s| s == first)
-                && let Fit::Done(outcome) =
-                    self.fit(&samples, cell, bounds, 0.2 / (n - 1) as f64)
+                && let Fit::Done(outcome) = self.fit(&samples, cell, bounds, 0.2 / (n - 1) as f64)
             {
                 return outcome;
             }
