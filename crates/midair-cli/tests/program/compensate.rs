@@ -56,7 +56,7 @@ fn it_writes_map_report_and_display_image_as_promised() {
     assert!(count(0) > 1000 && count(2) > 1000, "{} {}", count(0), count(2));
     let npy = std::fs::read(bench.path("a/out/map.npy")).unwrap();
     let head = String::from_utf8_lossy(&npy[..128]).into_owned();
-    assert!(head.contains("<f8") && head.contains("(64, 96, 2)"), "{head}");
+    assert!(head.contains("<f8") && head.contains("(64, 96, 2"), "{head}");
     let doubles: Vec<f64> = npy[npy.len() - 96 * 64 * 16..]
         .as_chunks::<8>()
         .0
