@@ -173,14 +173,17 @@ fn check(setup: &Setup, width: usize, height: usize) -> Result<Map, TestCaseErro
                 truth.roots[index]
             );
         } else if count > 0 {
-            let off = |r: &[f64; 2]| (r[0] - uv[0]).hypot(r[1] - uv[1]);
-            let nearest = truth.roots[index].iter().map(off).fold(f64::INFINITY, f64::min);
-            prop_assert!(
-                nearest <= map.error_bound.max(1e-10),
-                "pixel {:?} is off by {}",
-                (x, y),
-                nearest
-            );
+            let nearest = |truth: &Truth| {
+                let off = |r: &[f64; 2]| (r[0] - uv[0]).hypot(r[1] - uv[1]);
+                truth.roots[index].iter().map(off).fold(f64::INFINITY, f64::min)
+            };
+            let bound = map.error_bound.max(1e-10);
+            // A folded pixel may show a root that few samples lead to.
+            if nearest(&truth) > bound && *status == Status::Folded {
+                truth.look_harder(setup, x, y);
+            }
+            let nearest = nearest(&truth);
+            prop_assert!(nearest <= bound, "pixel {:?} is off by {}", (x, y), nearest);
         }
     }
     Ok(map)
