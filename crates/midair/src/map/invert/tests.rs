@@ -148,6 +148,10 @@ fn check(setup: &Setup, width: usize, height: usize) -> Result<Map, TestCaseErro
     invert_into(setup, Accuracy::default(), &mut map);
     prop_assert!(map.error_bound <= BOUND, "bound {}", map.error_bound);
     let mut truth = Truth::find(setup, width, height);
+    // What the map claims is a root if Broyden's method says so: samples may have missed it.
+    for (index, uv) in map.uv.iter().enumerate().filter(|(_, uv)| !uv[0].is_nan()) {
+        truth.try_root(setup, index % width, index / width, *uv);
+    }
     for (index, (uv, status)) in map.uv.iter().zip(&map.status).enumerate() {
         let (x, y) = (index % width, index / width);
         let count = match status {
@@ -161,30 +165,29 @@ fn check(setup: &Setup, width: usize, height: usize) -> Result<Map, TestCaseErro
             "an answer where there is none, at {:?}",
             (x, y)
         );
-        if count > truth.count(x, y) && !truth.near_border(x, y) {
-            truth.look_harder(setup, x, y);
-        }
-        if count != truth.count(x, y) {
-            prop_assert!(
-                truth.near_border(x, y),
-                "pixel {:?} is {:?}, but has the roots {:?}",
-                (x, y),
-                status,
-                truth.roots[index]
-            );
-        } else if count > 0 {
-            let nearest = |truth: &Truth| {
-                let off = |r: &[f64; 2]| (r[0] - uv[0]).hypot(r[1] - uv[1]);
-                truth.roots[index].iter().map(off).fold(f64::INFINITY, f64::min)
-            };
-            let bound = map.error_bound.max(1e-10);
-            // A folded pixel may show a root that few samples lead to.
-            if nearest(&truth) > bound && *status == Status::Folded {
-                truth.look_harder(setup, x, y);
+        let bound = map.error_bound.max(1e-10);
+        let is_right = |truth: &Truth| {
+            let off = |r: &[f64; 2]| (r[0] - uv[0]).hypot(r[1] - uv[1]);
+            count == truth.count(x, y)
+                && (count == 0 || truth.roots[index].iter().any(|r| off(r) <= bound))
+        };
+        if !is_right(&truth) && (count == truth.count(x, y) || !truth.near_border(x, y)) {
+            // The truth, too, may lack roots that few samples lead to, here or next to here.
+            for j in y.saturating_sub(1)..(y + 2).min(height) {
+                for i in x.saturating_sub(1)..(x + 2).min(width) {
+                    truth.look_harder(setup, i, j);
+                }
             }
-            let nearest = nearest(&truth);
-            prop_assert!(nearest <= bound, "pixel {:?} is off by {}", (x, y), nearest);
         }
+        prop_assert!(
+            is_right(&truth) || (count != truth.count(x, y) && truth.near_border(x, y)),
+            "pixel {:?} is {:?} {:?} within {}, but has the roots {:?}",
+            (x, y),
+            status,
+            uv,
+            bound,
+            truth.roots[index]
+        );
     }
     Ok(map)
 }
@@ -296,7 +299,13 @@ fn arbitrary_mirror() -> impl Strategy<Value = Setup> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 12, ..ProptestConfig::default() })]
+    // Each case is a whole map held against brute force, which may overlook a root; the same cases every time, so that a
+    // failure is a change.
+    #![proptest_config(ProptestConfig {
+        cases: 12,
+        rng_seed: proptest::test_runner::RngSeed::Fixed(7),
+        ..ProptestConfig::default()
+    })]
 
     #[test]
     fn random_solids_are_inverted(setup in arbitrary_setup()) {
