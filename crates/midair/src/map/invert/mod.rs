@@ -25,7 +25,7 @@ use fill::fill;
 use pixels::Raster;
 use plan::{Leaf, plan};
 
-use super::Map;
+use super::{Map, Status};
 use crate::transport::Setup;
 
 /// How finely a map is solved.
@@ -56,7 +56,14 @@ pub struct Effort {
 /// G on the display's pixels.
 pub fn invert(setup: &Setup, accuracy: Accuracy) -> (Map, Effort) {
     let [width, height] = setup.resolution;
-    let mut map = Map::unanswered(width, height);
+    // Zeroed memory is handed out untouched: the threads that fill the map touch it first, each its own part.
+    let mut map = Map {
+        width,
+        height,
+        uv: vec![[0.0; 2]; width * height],
+        status: vec![Status::Outside; width * height],
+        error_bound: 0.0,
+    };
     let effort = invert_into(setup, accuracy, &mut map);
     (map, effort)
 }
