@@ -1,6 +1,7 @@
 //! What the rows work on.
 
 use super::Outcome;
+use midair::geometry::mesh::TriangleMesh;
 use midair::geometry::{MeshSurface, Shape, Vec3};
 use midair::media::Picture;
 use midair::scene;
@@ -44,8 +45,8 @@ pub const BALL_TRIANGLES: usize = (12 * SQUARES * SQUARES) as usize;
 pub fn ball() -> Outcome<Setup> {
     let mut setup = scene("paper/sphere.toml")?;
     let (positions, triangles) = tessellate(25.0);
-    let normals: Vec<Vec3> = positions.iter().map(|p| p.normalized()).collect();
-    let mesh = MeshSurface::new(&positions, &triangles, Some(&normals));
+    let normals = Some(positions.iter().map(|p| p.normalized()).collect());
+    let mesh = MeshSurface::new(&TriangleMesh { positions, triangles, normals });
     setup.elements[0].shape = Shape::Mesh(Arc::new(mesh));
     Ok(setup)
 }

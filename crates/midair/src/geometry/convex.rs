@@ -283,20 +283,6 @@ impl Convex {
             }
         }
     }
-
-    /// Whether a point of the solid's frame lies inside.
-    pub fn contains(&self, p: Vec3) -> bool {
-        match *self {
-            Self::Sphere { radius } => p.squared_length() < radius * radius,
-            Self::Ellipsoid { radii } => {
-                (p.x / radii.x).powi(2) + (p.y / radii.y).powi(2) + (p.z / radii.z).powi(2) < 1.0
-            }
-            Self::Box { half } => p.x.abs() < half.x && p.y.abs() < half.y && p.z.abs() < half.z,
-            Self::Frustum { middle_radius, slope, half_height } => {
-                p.y.abs() < half_height && p.x.hypot(p.z) < middle_radius + slope * p.y
-            }
-        }
-    }
 }
 
 /// What tells where a line meets a curved face.

@@ -82,11 +82,6 @@ impl HeightField {
         4.0 * self.half[0] * self.half[1] * (sum / samples as f64 + self.depth)
     }
 
-    /// Whether a point lies inside the solid.
-    pub fn contains(&self, p: Vec3) -> bool {
-        self.solid && self.over(p) && p.z > -self.depth && p.z < self.height(p.x, p.y).0
-    }
-
     fn over(&self, p: Vec3) -> bool {
         p.x.abs() <= self.half[0] && p.y.abs() <= self.half[1]
     }

@@ -1,5 +1,6 @@
 //! A triangle mesh as rays meet it.
 
+use super::mesh::TriangleMesh;
 use super::{Crossing, Hit, Ray, Real, Search, Vec3};
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
@@ -54,17 +55,13 @@ impl Boundable for Bounds {
 }
 
 impl MeshSurface {
-    /// From vertices (mm), triangles (counter-clockwise seen from outside) and, for smooth shading, a unit normal
-    /// for each vertex. The mesh has no degenerate triangle and every index is in range.
-    pub fn new(positions: &[Vec3], triangles: &[[u32; 3]], normals: Option<&[Vec3]>) -> Self {
-        let mut low = Vec3::new(f64::INFINITY, f64::INFINITY, f64::INFINITY);
-        let mut high = -low;
-        for p in positions {
-            low = Vec3::new(low.x.min(p.x), low.y.min(p.y), low.z.min(p.z));
-            high = Vec3::new(high.x.max(p.x), high.y.max(p.y), high.z.max(p.z));
-        }
+    /// From a mesh in mm, checked and mended, with normals at its vertices for smooth shading. It has no degenerate
+    /// triangle and every index is in range.
+    pub fn new(mesh: &TriangleMesh) -> Self {
+        let [low, high] = mesh.bounds();
+        let triangles = &mesh.triangles;
         let widen = WIDENED * (high - low).length();
-        let at = |index: u32| positions[index as usize];
+        let at = |index: u32| mesh.positions[index as usize];
         let bounds: Vec<Bounds> = triangles
             .iter()
             .map(|t| {
@@ -84,14 +81,9 @@ impl MeshSurface {
             &mut std::time::Duration::default(),
         );
         let (neighbours, closed) = neighbours(triangles);
-        let volume = triangles
-            .iter()
-            .map(|t| at(t[0]).dot(at(t[1]).cross(at(t[2]))) / 6.0)
-            .sum::<f64>()
-            .abs();
         Self {
             triangles: triangles.iter().map(|t| Triangle::new(t.map(at))).collect(),
-            normals: normals.map_or(Vec::new(), |n| {
+            normals: mesh.normals.as_ref().map_or(Vec::new(), |n| {
                 triangles.iter().map(|t| t.map(|index| n[index as usize])).collect()
             }),
             neighbours,
@@ -99,7 +91,7 @@ impl MeshSurface {
             low,
             high,
             closed,
-            volume,
+            volume: mesh.signed_volume().abs(),
         }
     }
 
@@ -206,14 +198,6 @@ impl MeshSurface {
         let d = ray.direction.value();
         let agree = d.dot(smooth.value()) * d.dot(triangle.normal) > 0.0;
         (t, if agree { smooth } else { flat })
-    }
-
-    /// Whether a point lies inside, by counting what a ray from it crosses.
-    pub fn contains(&self, point: Vec3) -> bool {
-        let direction = Vec3::new(0.267_261, 0.534_522, 0.801_783).normalized();
-        let ray = Ray { origin: point, direction };
-        let search = Search { crossing: None, after: 0.0, standing_on: None };
-        self.closed && self.nearest(&ray, search).is_some_and(|hit| hit.crossing == Crossing::Leave)
     }
 }
 

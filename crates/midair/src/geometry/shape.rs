@@ -66,14 +66,4 @@ impl Shape {
             Self::Mesh(mesh) => mesh.volume(),
         }
     }
-
-    /// Whether a point of the shape's frame lies inside it.
-    pub fn contains(&self, point: Vec3) -> bool {
-        match self {
-            Self::Convex(convex) => convex.contains(point),
-            Self::Sheet(_) => false,
-            Self::HeightField(field) => field.contains(point),
-            Self::Mesh(mesh) => mesh.contains(point),
-        }
-    }
 }

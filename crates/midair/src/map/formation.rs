@@ -1,6 +1,6 @@
 //! The image side of the map: which image points can be formed, and why the others cannot.
 
-use super::{Map, Status, pixel_centre};
+use super::{Map, Status, pixel_at, pixel_centre};
 use crate::transport::{End, Path, Setup, on_display};
 use rayon::prelude::*;
 
@@ -68,9 +68,8 @@ fn classify(end: End, map: &Map) -> ImagePoint {
     match end {
         End::Display { through_plate: false, .. } | End::MissedPlate => ImagePoint::MissedPlate,
         End::Display { st, .. } if !on_display(st) => ImagePoint::MissedDisplay,
-        End::Display { st: [s, t], .. } => {
-            let x = ((s * map.width as f64) as usize).min(map.width - 1);
-            let y = (((1.0 - t) * map.height as f64) as usize).min(map.height - 1);
+        End::Display { st, .. } => {
+            let (x, y) = pixel_at(st, map.width, map.height);
             match map.status[y * map.width + x] {
                 Status::Folded => ImagePoint::Folded,
                 _ => ImagePoint::Formed,

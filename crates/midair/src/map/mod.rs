@@ -10,5 +10,5 @@ mod splat;
 pub use bleed::bleed;
 pub use formation::{Formation, ImagePoint, formation};
 pub use invert::{Accuracy, Effort, invert, invert_into};
-pub use model::{Map, Status, pixel_centre};
+pub use model::{Map, Status, pixel_at, pixel_centre};
 pub use splat::{Splat, splat};

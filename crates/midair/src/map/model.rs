@@ -66,3 +66,10 @@ impl Map {
 pub fn pixel_centre(column: usize, row: usize, width: usize, height: usize) -> [f64; 2] {
     [(column as f64 + 0.5) / width as f64, ((height - row) as f64 - 0.5) / height as f64]
 }
+
+/// Column and row of the pixel that a place st (or uv) lies in; of the nearest one, beyond the edges.
+pub fn pixel_at([s, t]: [f64; 2], width: usize, height: usize) -> (usize, usize) {
+    // A negative number becomes 0.
+    let index = |x: f64, n: usize| ((x * n as f64) as usize).min(n - 1);
+    (index(s, width), index(1.0 - t, height))
+}

@@ -1,6 +1,6 @@
 //! The paper's own method, kept for comparison: shoot many samples through each view pixel and keep what lands.
 
-use super::{Map, Status};
+use super::{Map, Status, pixel_at};
 use crate::transport::{Path, Setup};
 use rayon::prelude::*;
 
@@ -46,11 +46,10 @@ pub fn splat(setup: &Setup, spp: usize, progress: &(dyn Fn(usize) + Sync)) -> Sp
                             (column as f64 + random.f64()) / width as f64,
                             ((height - 1 - row) as f64 + random.f64()) / height as f64,
                         ];
-                        let Some([s, t]) = setup.transport(uv, &mut path).formed() else {
+                        let Some(st) = setup.transport(uv, &mut path).formed() else {
                             continue;
                         };
-                        let x = ((s * width as f64) as usize).min(width - 1);
-                        let y = (((1.0 - t) * height as f64) as usize).min(height - 1);
+                        let (x, y) = pixel_at(st, width, height);
                         let sum = &mut sums[y * width + x];
                         *sum = [sum[0] + uv[0], sum[1] + uv[1], sum[2] + 1.0];
                     }

@@ -23,11 +23,6 @@ static DECODE_8: LazyLock<[f32; 256]> =
 static DECODE_16: LazyLock<Vec<f32>> =
     LazyLock::new(|| (0..=u16::MAX).map(|code| decode(f64::from(code) / 65535.0) as f32).collect());
 
-/// Linear light of every 8-bit code.
-pub fn decode_table_8() -> &'static [f32; 256] {
-    &DECODE_8
-}
-
 /// Linear light of an 8-bit code.
 pub fn decode_8(code: u8) -> f32 {
     DECODE_8[usize::from(code)]

@@ -46,16 +46,7 @@ impl Setup {
             .map(|(element, asset)| place(element, asset, wavelength))
             .collect::<Result<Vec<_>, _>>()?;
         rank(&mut elements, &scene.elements)?;
-        Ok(Self {
-            viewpoint: Vec3::from_array(scene.viewpoint),
-            image: scene.image.placed(),
-            plate: scene.plate.rectangle.placed(),
-            display: scene.display_rectangle(),
-            resolution: scene.display.resolution,
-            elements,
-            max_interactions: scene.max_interactions,
-            follow_total_reflection: scene.follow_total_reflection,
-        })
+        Ok(Self::around(scene, elements))
     }
 
     /// The same plate and display with no object between, the display where it shows the image undistorted by
@@ -65,15 +56,20 @@ impl Setup {
         scene.elements.clear();
         scene.display.pose = None;
         scene.display.size = None;
+        Self::around(&scene, Vec::new())
+    }
+
+    /// The scene's viewpoint, image, plate and display around these elements.
+    fn around(scene: &model::Scene, elements: Vec<Element>) -> Self {
         Self {
             viewpoint: Vec3::from_array(scene.viewpoint),
             image: scene.image.placed(),
             plate: scene.plate.rectangle.placed(),
             display: scene.display_rectangle(),
             resolution: scene.display.resolution,
-            elements: Vec::new(),
+            elements,
             max_interactions: scene.max_interactions,
-            follow_total_reflection: false,
+            follow_total_reflection: scene.follow_total_reflection,
         }
     }
 }
@@ -152,8 +148,7 @@ fn shape(element: &model::Element, asset: &Asset, refractive: bool) -> Result<Sh
             let Asset::Mesh(mesh) = asset else {
                 return Err(SetupError::NoAsset(element.name.clone()));
             };
-            let normals = mesh.normals.as_deref();
-            Shape::Mesh(Arc::new(MeshSurface::new(&mesh.positions, &mesh.triangles, normals)))
+            Shape::Mesh(Arc::new(MeshSurface::new(mesh)))
         }
     })
 }

@@ -2,6 +2,7 @@
 
 use super::bench_setup::{ACRYLIC, block, cone, cylinder, element, setup, sphere};
 use super::*;
+use crate::geometry::mesh::TriangleMesh;
 use crate::geometry::{Crossing, HeightField, MeshSurface, Ray, Shape, Sheet, Vec3};
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -343,8 +344,8 @@ pub(crate) fn ball_mesh_of(radius: f64, smooth: bool, stacks: usize, slices: usi
             triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
         }
     }
-    let normals: Vec<Vec3> = positions.iter().map(|p| p.normalized()).collect();
-    MeshSurface::new(&positions, &triangles, smooth.then_some(&normals[..]))
+    let normals = smooth.then(|| positions.iter().map(|p| p.normalized()).collect());
+    MeshSurface::new(&TriangleMesh { positions, triangles, normals })
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::cell::{Cell, Sample};
 use super::newton::{ITERATIONS, apply_inverse, determinant, solve};
 use super::tally::count_ray;
-use crate::map::pixel_centre;
+use crate::map::{pixel_at, pixel_centre};
 use crate::transport::Setup;
 use std::collections::HashSet;
 
@@ -62,9 +62,8 @@ impl Raster {
     }
 
     /// Column and row of the pixel nearest to a place.
-    pub fn nearest(&self, [s, t]: [f64; 2]) -> (usize, usize) {
-        let index = |x: f64, n: usize| ((x * n as f64 - 0.5).round().max(0.0) as usize).min(n - 1);
-        (index(s, self.width), index(1.0 - t, self.height))
+    pub fn nearest(&self, st: [f64; 2]) -> (usize, usize) {
+        pixel_at(st, self.width, self.height)
     }
 
     /// The columns and rows whose centres lie within a rectangle of st: first and one past the last.
@@ -141,9 +140,7 @@ impl Spread {
     fn run(&mut self, setup: &Setup, raster: Raster, cell: Cell, seed: &Sample) -> Vec<Point> {
         let mut points = Vec::new();
         let Some((st, _)) = seed.arrives() else { return points };
-        let nearest =
-            |x: f64, n: usize| ((x * n as f64 - 0.5).round().max(0.0) as usize).min(n - 1);
-        let start = (nearest(st[0], raster.width), nearest(1.0 - st[1], raster.height));
+        let start = raster.nearest(st);
         let mut queue = vec![(start, seed.uv, seed.path.clone())];
         while let Some((pixel, guess, mut path)) = queue.pop() {
             if self.visited.contains(&pixel) {

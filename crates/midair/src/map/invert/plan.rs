@@ -4,7 +4,7 @@ use super::cell::{Cell, Sample};
 use super::dense::solve_densely;
 use super::patch::Patch;
 use super::pixels::{Point, Raster, solve_pixels};
-use super::survey::{CELLS, EMPTY, Survey, extend, sense};
+use super::survey::{CELLS, EMPTY, Survey, extend, one_sense};
 use super::tally::counted;
 use crate::transport::Setup;
 use rayon::prelude::*;
@@ -109,12 +109,9 @@ impl Planner<'_> {
             let seamless = sample.path.iter().any(|step| step.seamless);
             if seamless
                 && self.survey.is_one_sheet(i, j, 1)
-                && self.survey.orientation(i, j, 1).is_some()
-                && let Some(bounds) = self.survey.bounds(i, j, 1)
+                && let Some(fit) = self.fit_block(i, j, 1)
             {
                 tried += 1;
-                let seeds = self.survey.seeds(i, j, 1);
-                let fit = self.fit(&seeds, Survey::block(i, j, 1), bounds, 0.2);
                 failed += usize::from(matches!(fit, Fit::Failed));
             }
         }
@@ -136,15 +133,8 @@ impl Planner<'_> {
             if sample.arrives().is_none() {
                 return Outcome::Nothing;
             }
-            if let Some(bounds) = self.survey.bounds(i, j, size)
-                && self.survey.orientation(i, j, size).is_some()
-            {
-                // Between samples the border bulges by less than its distance between samples.
-                let seeds = self.survey.seeds(i, j, size);
-                match self.fit(&seeds, Survey::block(i, j, size), bounds, 0.2 / size as f64) {
-                    Fit::Done(outcome) => return outcome,
-                    Fit::Failed => {}
-                }
+            if let Some(Fit::Done(outcome)) = self.fit_block(i, j, size) {
+                return outcome;
             }
         }
         if size == 1 {
@@ -156,6 +146,17 @@ impl Planner<'_> {
                 .map(|(i, j)| Task::Block { i, j, size: half })
                 .into(),
         )
+    }
+
+    /// Tries a block that lies on one sheet; `None` where a fold is seen in it, or its light does not arrive.
+    fn fit_block(&self, i: usize, j: usize, size: usize) -> Option<Fit> {
+        let bounds = self.survey.bounds(i, j, size)?;
+        if !self.survey.has_one_sense(i, j, size) {
+            return None;
+        }
+        // Between samples the border bulges by less than its distance between samples.
+        let seeds = self.survey.seeds(i, j, size);
+        Some(self.fit(&seeds, Survey::block(i, j, size), bounds, 0.2 / size as f64))
     }
 
     fn cell(&self, cell: Cell) -> Outcome {
@@ -178,19 +179,11 @@ impl Planner<'_> {
         let mut bounds = EMPTY;
         arriving.iter().for_each(|&st| extend(&mut bounds, st));
         let one_sheet = samples.iter().all(|s| s.same_sheet(&samples[0]));
-        if one_sheet {
-            let at = |x: usize, y: usize| arriving[y * n + x];
-            let mut senses = (0..(n - 1) * (n - 1)).map(|index| {
-                let (x, y) = (index % (n - 1), index / (n - 1));
-                sense([at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)])
-            });
-            let first = senses.next().flatten();
-            if first.is_some()
-                && senses.all(|s| s == first)
-                && let Fit::Done(outcome) = self.fit(&samples, cell, bounds, 0.2 / (n - 1) as f64)
-            {
-                return outcome;
-            }
+        if one_sheet
+            && one_sense(n - 1, |x, y| Some(arriving[y * n + x]))
+            && let Fit::Done(outcome) = self.fit(&samples, cell, bounds, 0.2 / (n - 1) as f64)
+        {
+            return outcome;
         }
         if extent > SPACING {
             return Outcome::Split(cell.quarters().map(Task::Cell).into());

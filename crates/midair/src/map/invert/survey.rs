@@ -70,20 +70,9 @@ impl Survey {
             })
     }
 
-    /// The sense of F (+1 or -1) if it is the same in all cells of a block: no fold is seen in it.
-    pub fn orientation(&self, i: usize, j: usize, size: usize) -> Option<f64> {
-        let mut common = None;
-        for y in j..j + size {
-            for x in i..i + size {
-                let at = |di: usize, dj: usize| self.corner(x + di, y + dj).arrives();
-                let corners = [at(0, 0)?.0, at(1, 0)?.0, at(0, 1)?.0, at(1, 1)?.0];
-                let sense = sense(corners)?;
-                if *common.get_or_insert(sense) != sense {
-                    return None;
-                }
-            }
-        }
-        common
+    /// Whether F has the same sense in all cells of a block: no fold is seen in it.
+    pub fn has_one_sense(&self, i: usize, j: usize, size: usize) -> bool {
+        one_sense(size, |x, y| self.corner(i + x, j + y).arrives().map(|(st, _)| st))
     }
 
     /// A block's corners and a point within.
@@ -123,6 +112,16 @@ pub(super) fn extend(bounds: &mut [[f64; 2]; 2], st: [f64; 2]) {
         bounds[0][axis] = bounds[0][axis].min(st[axis]);
         bounds[1][axis] = bounds[1][axis].max(st[axis]);
     }
+}
+
+/// Whether the cells of a grid of `size` x `size`, F given at their corners, all have the same sense.
+pub(super) fn one_sense(size: usize, at: impl Fn(usize, usize) -> Option<[f64; 2]>) -> bool {
+    let mut senses = (0..size * size).map(|index| {
+        let (x, y) = (index % size, index / size);
+        sense([at(x, y)?, at(x + 1, y)?, at(x, y + 1)?, at(x + 1, y + 1)?])
+    });
+    let first = senses.next().flatten();
+    first.is_some() && senses.all(|sense| sense == first)
 }
 
 /// The sense of a cell's image, if both of its halves (either way it is cut) agree.
