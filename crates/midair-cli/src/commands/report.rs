@@ -2,11 +2,12 @@
 
 use super::compensate::{stretch_note, write_display, write_maps, write_report};
 use crate::arguments::{Size, check_view, open_picture, open_scene};
+use crate::facts::Facts;
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::progress::Bar;
 use crate::summary::{Voice, paths, wrote};
-use crate::{report_page, test_picture};
+use crate::test_picture;
 use midair::evaluate::proof::{Proof, Settings, prove, view_size};
 use midair::map::format::{FileError, Format, write_bytes_atomically};
 use midair::media::{Depth, Picture, Still, write_still};
@@ -73,13 +74,7 @@ pub fn write_proof(
     let proof = prove(loaded, &still.picture, &settings, &bar)?;
     bar.finish();
 
-    let facts = report_page::Facts {
-        loaded,
-        setup: &setup,
-        settings: &settings,
-        proof: &proof,
-        notes: &notes,
-    };
+    let facts = Facts { loaded, setup: &setup, settings: &settings, proof: &proof, notes: &notes };
     let report = facts.json();
     let page = facts.page()?;
     write_pictures(&mut output, still, &proof)?;

@@ -1,0 +1,206 @@
+//! What a proof found: as JSON, in a few lines, and what it rests on.
+
+use crate::summary::{Counts, number, percent, timings};
+use midair::evaluate::lattice::Displacement;
+use midair::evaluate::proof::{Baseline, Likeness, Proof, Settings, Shape, Shown};
+use midair::map::ImagePoint;
+use midair::scene::Loaded;
+use midair::scene::model::PlateModel;
+use midair::transport::{DESIGN_WAVELENGTH, Setup};
+use serde_json::{Value, json};
+
+/// Everything that a report draws on.
+pub struct Facts<'a> {
+    /// The scene.
+    pub loaded: &'a Loaded,
+    /// The same, ready for tracing.
+    pub setup: &'a Setup,
+    /// What was asked for.
+    pub settings: &'a Settings,
+    /// What was found.
+    pub proof: &'a Proof,
+    /// What the user should know.
+    pub notes: &'a [String],
+}
+
+impl Facts<'_> {
+    /// The ways to fill the display with their names, in the order of the table.
+    pub fn ways(&self) -> Vec<(&'static str, String, &Shown)> {
+        let proof = self.proof;
+        let mut ways = vec![
+            ("uncompensated", "shown as it is".to_owned(), &proof.uncompensated),
+            ("compensated", "plain filter (what compensate writes)".to_owned(), &proof.compensated),
+            ("scattered", "averaged scatter of the view's rays".to_owned(), &proof.scattered),
+            ("optimal", "best display image (--optimal)".to_owned(), &proof.optimal),
+        ];
+        if let Some(Baseline { spp, shown: Some(shown), .. }) = &proof.splat {
+            ways.push(("splat", format!("map by splat, {spp} samples a pixel"), shown));
+        }
+        ways
+    }
+
+    /// The share of the image that is formed.
+    pub fn formed(&self) -> f64 {
+        let points = &self.proof.formation.points;
+        let formed = points.iter().filter(|&&point| point == ImagePoint::Formed).count();
+        formed as f64 / points.len().max(1) as f64
+    }
+
+    /// report.json.
+    pub fn json(&self) -> Value {
+        let Self { loaded, setup, settings, proof, notes } = self;
+        let likeness: serde_json::Map<String, Value> = self
+            .ways()
+            .into_iter()
+            .map(|(key, _, shown)| {
+                let told = |likeness: Likeness| {
+                    json!({ "ssim": likeness.ssim, "psnr_db": number(likeness.psnr) })
+                };
+                (key.to_owned(), shown.likeness.map_or(Value::Null, told))
+            })
+            .collect();
+        let splat = proof.splat.as_ref().map(|splat| {
+            json!({
+                "spp": splat.spp,
+                "time_ms": splat.time.as_secs_f64() * 1e3,
+                "rays": splat.rays,
+                "reached": splat.reached,
+                "holes": splat.holes,
+                "rms_error": splat.rms_error,
+                "max_error": splat.max_error,
+            })
+        });
+        json!({
+            "midair": env!("CARGO_PKG_VERSION"),
+            "command": "report",
+            "scene": loaded.scene.name,
+            "method": "inverse",
+            "size": setup.resolution,
+            "view": { "size": settings.view, "supersampling": settings.supersampling },
+            "status": Counts::of(&proof.map).json(),
+            "error_bound": number(proof.map.error_bound),
+            "rays": proof.effort.rays,
+            "effort": { "patches": proof.effort.patches, "solved_pixels": proof.effort.solved_pixels },
+            "timings_ms": timings(&proof.timings),
+            "formed": self.formed(),
+            "compared_share": proof.region.share,
+            "reference_completed": proof.reference_completed,
+            "lattice": {
+                "lines": settings.lattice.lines,
+                "compensated": shape_json(&proof.lattice.compensated),
+                "uncompensated": shape_json(&proof.lattice.uncompensated),
+            },
+            "likeness": likeness,
+            "splat": splat,
+            "assumptions": self.assumptions(),
+            "notes": notes,
+        })
+    }
+
+    /// The summary for people.
+    pub fn lines(&self) -> String {
+        let Self { loaded, setup, proof, .. } = self;
+        let [width, height] = setup.resolution;
+        let mut lines = format!(
+            "{}: {width} x {height} display pixels mapped in {:.1} ms, each ok one to {:.0e} pixels of a 1024-pixel image\n\
+             {}\n{:34}{:>12}{:>12}{:>9}{:>12}\n",
+            loaded.scene.name,
+            proof.map_time.as_secs_f64() * 1e3,
+            proof.map.error_bound * 1024.0,
+            Counts::of(&proof.map).line(),
+            "",
+            "lattice off",
+            "exactly",
+            "SSIM",
+            "PSNR",
+        );
+        for (key, name, shown) in self.ways() {
+            let shape = match key {
+                "uncompensated" => Some(&proof.lattice.uncompensated),
+                "compensated" => Some(&proof.lattice.compensated),
+                _ => None,
+            };
+            let pixels = |mean: Option<f64>| match mean {
+                Some(mean) if mean.is_finite() => format!("{mean:.3} px"),
+                _ => "-".to_owned(),
+            };
+            let measured = shape.and_then(|s| s.measured.as_ref().ok()).map(|d| d.mean);
+            let exact = shape.map(|shape| shape.exact.mean);
+            let (ssim, psnr) = likeness_text(shown.likeness);
+            // The first words say enough here; the page has them all.
+            let name = name.split(" (").next().unwrap_or_default();
+            let columns = match shape {
+                Some(_) => (pixels(measured), pixels(exact)),
+                None => (String::new(), String::new()),
+            };
+            lines += &format!("  {name:32}{:>12}{:>12}{ssim:>9}{psnr:>12}\n", columns.0, columns.1);
+        }
+        if let Some(splat) = &proof.splat {
+            lines += &format!(
+                "the paper's method at {} samples a pixel: {:.1} s, {} holes in {} reached pixels, {:.3} pixels off (rms)\n",
+                splat.spp,
+                splat.time.as_secs_f64(),
+                splat.holes,
+                splat.reached,
+                splat.rms_error * 1024.0,
+            );
+        }
+        lines
+    }
+
+    /// Every assumption, in words.
+    pub fn assumptions(&self) -> Vec<String> {
+        let Self { loaded, settings, proof, .. } = self;
+        let plate = match loaded.scene.plate.model {
+            PlateModel::Ideal => {
+                "The plate is ideal: plane symmetry, without blur, loss or stray light."
+            }
+            PlateModel::SlitMirror(_) => {
+                "The scene's slit-mirror plate is taken as ideal here: plane symmetry, without blur, loss or stray light."
+            }
+        };
+        let n = settings.supersampling;
+        let reference = match proof.reference_completed {
+            0.0 => String::new(),
+            share => format!(
+                " {} of it would go past the plate that stands where the object sends the light: there it is what a plate without edges would show.",
+                percent(share)
+            ),
+        };
+        vec![
+            "The viewer is one pinhole eye at the scene's viewpoint; the view shows the image's rectangle and nothing else.".to_owned(),
+            plate.to_owned(),
+            "Light that surfaces reflect or absorb on its way (Fresnel, absorption, mirror reflectance) is not taken off: views show geometry, not brightness.".to_owned(),
+            format!("Refractive indices are those at {:.1} nm.", DESIGN_WAVELENGTH * 1e3),
+            format!("A view pixel is the mean of {} rays, each the bilinear interpolation of four display pixels, in linear light.", n * n),
+            format!("The reference is the view without any object, the display where it then belongs, showing the picture at its own resolution.{reference}"),
+            "Uncompensated, the display shows the picture in the image's true size where it belongs if mirrors are flat and solids absent (the other way round behind an odd number of mirrors), as far as the scene's display reaches there.".to_owned(),
+            "Views are compared over the pixels whose whole 11 x 11 window is formed; sRGB-encoded, SSIM after Wang et al. 2004 as the mean over the three channels.".to_owned(),
+            format!(
+                "The lattice has {} x {} lines, {} of the image wide. Measured displacement is between intersections detected in the view and in the reference, in linear light; the exact one is the map interpolated at F.",
+                settings.lattice.lines, settings.lattice.lines, settings.lattice.line_width
+            ),
+            "The best display image is sought, and the scatter made, with the same rays that the views are then rendered with.".to_owned(),
+            "Holes are pixels that have an answer (ok or folded) in the exact map and that no sample hit.".to_owned(),
+        ]
+    }
+}
+
+fn shape_json(shape: &Shape) -> Value {
+    let told = |d: &Displacement| json!({ "mean": number(d.mean), "max": number(d.max), "compared": d.compared() });
+    json!({
+        "measured": match &shape.measured {
+            Ok(measured) => told(measured),
+            Err(why) => json!({ "mean": null, "max": null, "compared": 0, "why": why }),
+        },
+        "exact": told(&shape.exact),
+    })
+}
+
+/// SSIM and PSNR in words; a dash where nothing could be compared.
+pub fn likeness_text(likeness: Option<Likeness>) -> (String, String) {
+    match likeness {
+        Some(likeness) => (format!("{:.4}", likeness.ssim), format!("{:.2} dB", likeness.psnr)),
+        None => ("-".to_owned(), "-".to_owned()),
+    }
+}
