@@ -33,8 +33,8 @@ enum Language {
     Python,
 }
 
-/// Runs all pages: each one is a check of its commands and one of its links; the table of contents and what the program
-/// itself tells are one each.
+/// Runs all pages: each one is a check of its commands and one of its links; the table of contents, what the program
+/// itself tells and the table of dependencies are one each.
 pub fn run() -> Tally {
     let mut tally = Tally::default();
     let pages = match pages() {
@@ -43,6 +43,7 @@ pub fn run() -> Tally {
     };
     tally.add(Tally::of(contents(&pages)));
     tally.add(Tally::of(reference::check()));
+    tally.add(Tally::of(dependencies()));
     for page in pages {
         let checked = std::fs::read_to_string(crate::root().join(&page))
             .with_context(|| format!("{} cannot be read", page.display()));
@@ -92,6 +93,30 @@ fn contents(pages: &[PathBuf]) -> Result<()> {
             && !summary.contains(&format!("({})", inside.display()))
         {
             bail!("docs/SUMMARY.md lacks {}", inside.display());
+        }
+    }
+    Ok(())
+}
+
+/// Every dependency is in ARCHITECTURE.md with its reason.
+fn dependencies() -> Result<()> {
+    let page = std::fs::read_to_string(crate::root().join("ARCHITECTURE.md"))
+        .context("ARCHITECTURE.md cannot be read")?;
+    let (_, told) =
+        page.split_once("## Dependencies").context("ARCHITECTURE.md: no `## Dependencies`")?;
+    let mut cargo = Command::new(std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned()));
+    cargo.args(["metadata", "--no-deps", "--format-version", "1"]).current_dir(crate::root());
+    let output =
+        cargo.output().with_context(|| format!("cannot run `{}`", process::shown(&cargo)))?;
+    let workspace: serde_json::Value = serde_json::from_slice(&output.stdout)?;
+    let packages = workspace["packages"].as_array().into_iter().flatten();
+    let all = packages.flat_map(|p| p["dependencies"].as_array().into_iter().flatten());
+    let word = |c: char| !(c.is_alphanumeric() || c == '-' || c == '_');
+    // Those of the workspace itself have a path.
+    let foreign = all.filter(|d| d["path"].is_null());
+    for name in foreign.filter_map(|d| d["name"].as_str()) {
+        if !told.split(word).any(|w| w == name) {
+            bail!("ARCHITECTURE.md does not say what the dependency `{name}` is for");
         }
     }
     Ok(())
