@@ -15,6 +15,7 @@ mod newton;
 mod patch;
 mod pixels;
 mod plan;
+mod row;
 mod survey;
 mod tally;
 #[cfg(test)]
@@ -72,7 +73,7 @@ pub fn invert(setup: &Setup, accuracy: Accuracy) -> (Map, Effort) {
 pub fn invert_into(setup: &Setup, accuracy: Accuracy, map: &mut Map) -> Effort {
     let raster = Raster { width: map.width, height: map.height };
     let (leaves, rays) = plan(setup, raster, accuracy.tolerance);
-    fill(&leaves, raster, accuracy.tolerance, map);
+    fill(&leaves, raster, map);
     let mut effort = Effort { rays, ..Effort::default() };
     for leaf in &leaves {
         match leaf {

@@ -2,6 +2,7 @@
 
 use super::Cell;
 use super::newton::{ITERATIONS, Solution, apply_inverse, determinant, solve};
+use super::row::{MAX_DEGREE, RowPolynomial};
 use super::tally::count_ray;
 use crate::transport::{Setup, Step};
 
@@ -18,19 +19,15 @@ pub(super) struct Patch {
     /// Bound of |uv - exact|.
     pub error: f64,
     degree: usize,
+    /// Largest error that it was held to.
+    pub tolerance: f64,
     /// Monomial coefficients, `[j][i]` belonging to t^j s^i with s, t in [-1, 1], u and v.
     coefficients: Vec<[f64; 2]>,
 }
 
-/// The highest degree of a patch.
-pub(super) const MAX_DEGREE: usize = 15;
-
-/// The polynomials of one display row: coefficients of s^i, highest last.
-pub(super) struct RowPolynomial {
-    u: [f64; MAX_DEGREE + 1],
-    v: [f64; MAX_DEGREE + 1],
-    degree: usize,
-}
+/// The share of the tolerance that high degrees may amount to and still be left out: so little that what the bound
+/// promises is hardly touched.
+const DROPPED: f64 = 1.0 / 64.0;
 
 impl Patch {
     /// Fits the inverse on `rect`; `None` if it cannot be proved to meet `tolerance` there.
@@ -78,8 +75,17 @@ impl Patch {
         if !(tail < 50.0 * tolerance) {
             return None;
         }
-        let coefficients = monomials(&chebyshev, n);
-        let mut patch = Self { cell, rect, blocked: false, error: 0.0, degree, coefficients };
+        let kept = if seamless { n } else { needed(&chebyshev, n, tolerance * DROPPED) };
+        let coefficients = monomials(&corner(&chebyshev, n, kept), kept);
+        let mut patch = Self {
+            cell,
+            rect,
+            blocked: false,
+            error: 0.0,
+            degree: kept - 1,
+            tolerance,
+            coefficients,
+        };
         let checked = patch.check(setup, path, seamless, place)?;
         // Twice the worst of the sampled residuals covers what lies between the samples, which sit near the error's
         // extremes: between the nodes.
@@ -147,72 +153,6 @@ impl Patch {
     }
 }
 
-impl RowPolynomial {
-    /// uv at `s` in [-1, 1].
-    pub fn at(&self, s: f64) -> [f64; 2] {
-        let mut out = [[0.0]; 2];
-        let [u, v] = &mut out;
-        self.evaluate(s, 0.0, u, v);
-        [u[0], v[0]]
-    }
-
-    /// uv at `start + k * step` for each k.
-    #[inline(always)]
-    fn evaluate(&self, start: f64, step: f64, us: &mut [f64], vs: &mut [f64]) {
-        const LANES: usize = 16;
-        let n = us.len();
-        let mut first = 0;
-        while first < n {
-            let mut s = [0.0; LANES];
-            for lane in 0..LANES {
-                s[lane] = start + step * (first + lane) as f64;
-            }
-            let mut u = [self.u[self.degree]; LANES];
-            let mut v = [self.v[self.degree]; LANES];
-            for i in (0..self.degree).rev() {
-                for lane in 0..LANES {
-                    u[lane] = u[lane].mul_add(s[lane], self.u[i]);
-                }
-                for lane in 0..LANES {
-                    v[lane] = v[lane].mul_add(s[lane], self.v[i]);
-                }
-            }
-            let count = LANES.min(n - first);
-            us[first..first + count].copy_from_slice(&u[..count]);
-            vs[first..first + count].copy_from_slice(&v[..count]);
-            first += LANES;
-        }
-    }
-
-    /// uv at `start + k * step` for each k, with the widest instructions that this machine has.
-    pub fn evaluate_row(&self, start: f64, step: f64, us: &mut [f64], vs: &mut [f64]) {
-        #[cfg(target_arch = "x86_64")]
-        {
-            if is_x86_feature_detected!("avx512f") {
-                // SAFETY: the instructions were just found to exist.
-                return unsafe { self.evaluate_avx512(start, step, us, vs) };
-            }
-            if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-                // SAFETY: the instructions were just found to exist.
-                return unsafe { self.evaluate_avx2(start, step, us, vs) };
-            }
-        }
-        self.evaluate(start, step, us, vs);
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f")]
-    fn evaluate_avx512(&self, start: f64, step: f64, us: &mut [f64], vs: &mut [f64]) {
-        self.evaluate(start, step, us, vs);
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,fma")]
-    fn evaluate_avx2(&self, start: f64, step: f64, us: &mut [f64], vs: &mut [f64]) {
-        self.evaluate(start, step, us, vs);
-    }
-}
-
 fn extrapolate(near: &Solution, near_st: [f64; 2], st: [f64; 2]) -> [f64; 2] {
     let step = apply_inverse(near.jacobian, [st[0] - near_st[0], st[1] - near_st[1]]);
     [near.uv[0] + step[0], near.uv[1] + step[1]]
@@ -260,6 +200,30 @@ fn tail_bound(coefficients: &[[f64; 2]], n: usize) -> f64 {
             row[0].hypot(row[1]) + column[0].hypot(column[1])
         })
         .sum()
+}
+
+/// How many degrees in each coordinate are worth their evaluation: all higher ones together amount to no more than `error`
+/// anywhere (no Chebyshev polynomial exceeds 1).
+fn needed(coefficients: &[[f64; 2]], n: usize, error: f64) -> usize {
+    let mut dropped = 0.0;
+    for kept in (2..n).rev() {
+        dropped += (0..=kept)
+            .map(|k| {
+                let (row, column) = (coefficients[kept * n + k], coefficients[k * n + kept]);
+                let both = if k == kept { 1.0 } else { 2.0 };
+                0.5 * both * (row[0].hypot(row[1]) + column[0].hypot(column[1]))
+            })
+            .sum::<f64>();
+        if !(dropped <= error) {
+            return kept + 1;
+        }
+    }
+    2
+}
+
+/// The coefficients below `kept` in both coordinates.
+fn corner(coefficients: &[[f64; 2]], n: usize, kept: usize) -> Vec<[f64; 2]> {
+    coefficients.chunks(n).take(kept).flat_map(|row| &row[..kept]).copied().collect()
 }
 
 /// From Chebyshev to monomial coefficients in both coordinates. At degree 15 this costs at most 2^15 ulp.

@@ -41,7 +41,9 @@ pub(super) fn plan(setup: &Setup, raster: Raster, tolerance: f64) -> (Vec<Leaf>,
     let survey = Survey::take(setup);
     let mut rays = Survey::RAYS;
     let planner = Planner { setup, raster, tolerance, border: border(&survey), survey };
-    if planner.is_creased() {
+    let (creased, probed) = counted(|| planner.is_creased());
+    rays += probed;
+    if creased {
         let (bands, counts): (Vec<_>, Vec<u64>) = solve_densely(setup, raster).into_iter().unzip();
         return (bands.into_iter().map(Leaf::Points).collect(), rays + counts.iter().sum::<u64>());
     }

@@ -1,0 +1,161 @@
+//! A row of the map and the polynomials that answer for it.
+
+use super::pixels::SAME;
+use crate::map::Status;
+
+/// The highest degree of a patch.
+pub(super) const MAX_DEGREE: usize = 15;
+
+/// A patch's polynomials along one row of the display: coefficients of s^i, highest last.
+pub(super) struct RowPolynomial {
+    pub u: [f64; MAX_DEGREE + 1],
+    pub v: [f64; MAX_DEGREE + 1],
+    pub degree: usize,
+}
+
+/// A stretch of a row of the map. Where the status is `Outside`, uv may be anything yet.
+pub(super) struct Row<'a> {
+    pub uv: &'a mut [[f64; 2]],
+    pub status: &'a mut [Status],
+}
+
+/// Pixels that are worked out at once: as many as keep the units for multiplication busy.
+const LANES: usize = 16;
+
+impl RowPolynomial {
+    /// uv at `s` in [-1, 1].
+    pub fn at(&self, s: f64) -> [f64; 2] {
+        let [u, v] = self.lanes(s, 0.0, 0);
+        [u[0], v[0]]
+    }
+
+    /// Enters the answers at `start + k * step` for each k into a stretch of a row, if they lie within `low` and `high`. NaN is
+    /// written where there is none. With the widest instructions that this machine has.
+    pub fn enter(&self, start: f64, step: f64, within: [[f64; 2]; 2], blocked: bool, row: Row<'_>) {
+        #[cfg(target_arch = "x86_64")]
+        {
+            if is_x86_feature_detected!("avx512f") {
+                // SAFETY: the instructions were just found to exist.
+                return unsafe { self.enter_avx512(start, step, within, blocked, row) };
+            }
+            if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+                // SAFETY: the instructions were just found to exist.
+                return unsafe { self.enter_avx2(start, step, within, blocked, row) };
+            }
+        }
+        self.enter_lanes(start, step, within, blocked, row);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f")]
+    fn enter_avx512(
+        &self,
+        start: f64,
+        step: f64,
+        within: [[f64; 2]; 2],
+        blocked: bool,
+        row: Row<'_>,
+    ) {
+        self.enter_lanes(start, step, within, blocked, row);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma")]
+    fn enter_avx2(
+        &self,
+        start: f64,
+        step: f64,
+        within: [[f64; 2]; 2],
+        blocked: bool,
+        row: Row<'_>,
+    ) {
+        self.enter_lanes(start, step, within, blocked, row);
+    }
+
+    #[inline(always)]
+    fn enter_lanes(
+        &self,
+        start: f64,
+        step: f64,
+        [low, high]: [[f64; 2]; 2],
+        blocked: bool,
+        row: Row<'_>,
+    ) {
+        let answered = if blocked { Status::Blocked } else { Status::Ok };
+        let blocks = row.uv.chunks_mut(LANES).zip(row.status.chunks_mut(LANES));
+        for (block, (uv, status)) in blocks.enumerate() {
+            let [u, v] = self.lanes(start, step, block * LANES);
+            let inside =
+                |u: f64, v: f64| (u >= low[0]) & (u <= high[0]) & (v >= low[1]) & (v <= high[1]);
+            // Mostly these are the first answers here: then no pixel need be looked at.
+            if status.iter().fold(true, |all, &s| all & (s == Status::Outside)) {
+                for lane in 0..uv.len() {
+                    let inside = inside(u[lane], v[lane]);
+                    uv[lane] =
+                        [u[lane], v[lane]].map(|c| if inside { within_image(c) } else { f64::NAN });
+                    status[lane] = if inside { answered } else { Status::Outside };
+                }
+                continue;
+            }
+            for (lane, (uv, status)) in uv.iter_mut().zip(status).enumerate() {
+                if inside(u[lane], v[lane]) {
+                    enter(uv, status, [u[lane], v[lane]], blocked);
+                }
+            }
+        }
+    }
+
+    /// u and v at `start + (first + lane) * step` for each lane.
+    #[inline(always)]
+    fn lanes(&self, start: f64, step: f64, first: usize) -> [[f64; LANES]; 2] {
+        let mut s = [0.0; LANES];
+        for lane in 0..LANES {
+            s[lane] = start + step * (first + lane) as f64;
+        }
+        let mut u = [self.u[self.degree]; LANES];
+        let mut v = [self.v[self.degree]; LANES];
+        for i in (0..self.degree).rev() {
+            for lane in 0..LANES {
+                u[lane] = u[lane].mul_add(s[lane], self.u[i]);
+            }
+            for lane in 0..LANES {
+                v[lane] = v[lane].mul_add(s[lane], self.v[i]);
+            }
+        }
+        [u, v]
+    }
+}
+
+/// Seam margins reach beyond the image's own edge by less than the error bound.
+#[inline(always)]
+fn within_image(c: f64) -> f64 {
+    c.clamp(0.0, 1.0)
+}
+
+/// Enters one answer of a pixel. Of several, the image point nearest to the image's centre is shown.
+#[inline]
+pub(super) fn enter(uv: &mut [f64; 2], status: &mut Status, found: [f64; 2], blocked: bool) {
+    let found = found.map(within_image);
+    match *status {
+        Status::Outside => {
+            *uv = found;
+            *status = if blocked { Status::Blocked } else { Status::Ok };
+        }
+        Status::Blocked => {
+            if !blocked {
+                *uv = found;
+                *status = Status::Ok;
+            }
+        }
+        Status::Ok | Status::Folded => {
+            if blocked || (uv[0] - found[0]).hypot(uv[1] - found[1]) < SAME {
+                return;
+            }
+            let from_centre = |p: [f64; 2]| (p[0] - 0.5).hypot(p[1] - 0.5);
+            if from_centre(found) < from_centre(*uv) {
+                *uv = found;
+            }
+            *status = Status::Folded;
+        }
+    }
+}
