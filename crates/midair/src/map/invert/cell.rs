@@ -33,6 +33,11 @@ impl Cell {
             .all(|axis| uv[axis] >= self.low[axis] - margin && uv[axis] <= self.high[axis] + margin)
     }
 
+    /// The cell's point nearest to another.
+    pub fn nearest(&self, uv: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|axis| uv[axis].clamp(self.low[axis], self.high[axis]))
+    }
+
     /// The longer side.
     pub fn extent(&self) -> f64 {
         (self.high[0] - self.low[0]).max(self.high[1] - self.low[1])

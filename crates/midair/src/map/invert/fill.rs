@@ -11,6 +11,9 @@ use std::ops::Range;
 /// Rows of pixels that one thread fills at a time: with 1024 columns, 17 bytes a pixel, they stay in its cache.
 const BAND: usize = 16;
 
+/// The bound of pixels that are solved by themselves: what Newton's method leaves.
+pub(super) const SOLVED: f64 = 1e-12;
+
 /// Fills the map from all cells; a band of rows at a time, so that each pixel is written to memory once.
 pub(super) fn fill(leaves: &[Leaf], raster: Raster, map: &mut Map) {
     let width = raster.width;
@@ -45,15 +48,26 @@ pub(super) fn fill(leaves: &[Leaf], raster: Raster, map: &mut Map) {
                 enter(&mut uv[at], &mut status[at], point.uv, point.blocked);
             }
         });
-    map.error_bound = patches.iter().fold(1e-12, |worst, (patch, _)| worst.max(patch.error));
+    map.error_bound = patches.iter().fold(SOLVED, |worst, (patch, _)| worst.max(patch.error));
     if patches.iter().all(|(patch, _)| !patch.blocked) && points.iter().all(|p| !p.blocked) {
         return;
     }
+    hide_blocked(map);
+}
+
+/// Takes back the answers of blocked pixels, which served to tell them from others.
+pub(super) fn hide_blocked(map: &mut Map) {
     for (uv, status) in map.uv.iter_mut().zip(&map.status) {
         if *status == Status::Blocked {
             *uv = [f64::NAN; 2];
         }
     }
+}
+
+/// A stretch of the map that has no answers yet.
+pub(super) fn clear(uv: &mut [[f64; 2]], status: &mut [Status]) {
+    uv.fill([f64::NAN; 2]);
+    status.fill(Status::Outside);
 }
 
 /// A row of the map from the patches that it crosses, each with its columns.

@@ -22,6 +22,7 @@ mod tally;
 mod tests;
 
 use cell::Cell;
+use dense::solve_densely;
 use fill::fill;
 use pixels::Raster;
 use plan::{Leaf, plan};
@@ -73,6 +74,10 @@ pub fn invert(setup: &Setup, accuracy: Accuracy) -> (Map, Effort) {
 pub fn invert_into(setup: &Setup, accuracy: Accuracy, map: &mut Map) -> Effort {
     let raster = Raster { width: map.width, height: map.height };
     let (leaves, rays) = plan(setup, raster, accuracy.tolerance);
+    let Some(leaves) = leaves else {
+        let (solved_pixels, dense) = solve_densely(setup, raster, map);
+        return Effort { patches: 0, solved_pixels, rays: rays + dense };
+    };
     fill(&leaves, raster, map);
     let mut effort = Effort { rays, ..Effort::default() };
     for leaf in &leaves {

@@ -1,7 +1,6 @@
 //! Cutting the image into cells on which the inverse is known.
 
 use super::cell::{Cell, Sample};
-use super::dense::solve_densely;
 use super::patch::Patch;
 use super::pixels::{Point, Raster, solve_pixels};
 use super::survey::{CELLS, EMPTY, Survey, extend, one_sense};
@@ -36,16 +35,15 @@ const SMALL_PATCH: f64 = 60.0;
 /// unseen reaches less than two pixels deep into it, so that its pixels lie within one pixel of the border.
 const SPACING: f64 = 4.0;
 
-/// Inverts F cell by cell. Also returns the number of rays traced.
-pub(super) fn plan(setup: &Setup, raster: Raster, tolerance: f64) -> (Vec<Leaf>, u64) {
+/// Inverts F cell by cell; `None` where it is creased too densely for that. Also returns the number of rays traced.
+pub(super) fn plan(setup: &Setup, raster: Raster, tolerance: f64) -> (Option<Vec<Leaf>>, u64) {
     let survey = Survey::take(setup);
     let mut rays = Survey::RAYS;
     let planner = Planner { setup, raster, tolerance, border: border(&survey), survey };
     let (creased, probed) = counted(|| planner.is_creased());
     rays += probed;
     if creased {
-        let (bands, counts): (Vec<_>, Vec<u64>) = solve_densely(setup, raster).into_iter().unzip();
-        return (bands.into_iter().map(Leaf::Points).collect(), rays + counts.iter().sum::<u64>());
+        return (None, rays);
     }
     let mut tasks = vec![Task::Block { i: 0, j: 0, size: CELLS }];
     let mut leaves = Vec::new();
@@ -62,7 +60,7 @@ pub(super) fn plan(setup: &Setup, raster: Raster, tolerance: f64) -> (Vec<Leaf>,
             }
         }
     }
-    (leaves, rays)
+    (Some(leaves), rays)
 }
 
 enum Outcome {

@@ -151,11 +151,15 @@ pub(super) fn enter(uv: &mut [f64; 2], status: &mut Status, found: [f64; 2], blo
             if blocked || (uv[0] - found[0]).hypot(uv[1] - found[1]) < SAME {
                 return;
             }
-            let from_centre = |p: [f64; 2]| (p[0] - 0.5).hypot(p[1] - 0.5);
             if from_centre(found) < from_centre(*uv) {
                 *uv = found;
             }
             *status = Status::Folded;
         }
     }
+}
+
+/// How far an image point lies from the image's centre.
+pub(super) fn from_centre(uv: [f64; 2]) -> f64 {
+    (uv[0] - 0.5).hypot(uv[1] - 0.5)
 }
