@@ -70,18 +70,24 @@ fn replaced(page: &str, name: &str, text: &str) -> Result<String> {
 /// The help of each command.
 fn commands() -> Result<String> {
     let overview = midair(&["--help"])?;
-    let mut text = format!("```text\n{}```\n", overview);
-    let list = overview.split("Commands:\n").nth(1).context("`midair --help` lists no commands")?;
-    for line in list.lines().take_while(|line| !line.is_empty()) {
-        let Some(name) = line.strip_prefix("  ").and_then(|l| l.split(' ').next()) else {
-            continue;
-        };
-        if !name.is_empty() && name != "help" {
-            text +=
-                &format!("\n## `midair {name}`\n\n```text\n{}```\n", midair(&[name, "--help"])?);
+    let mut text = format!("```text\n{overview}```\n");
+    for name in subcommands(&overview) {
+        let help = midair(&[name, "--help"])?;
+        text += &format!("\n## `midair {name}`\n\n```text\n{help}```\n");
+        for inner in subcommands(&help) {
+            let help = midair(&[name, inner, "--help"])?;
+            text += &format!("\n### `midair {name} {inner}`\n\n```text\n{help}```\n");
         }
     }
     Ok(text)
+}
+
+/// The commands that a help text lists.
+fn subcommands(help: &str) -> impl Iterator<Item = &str> {
+    let list = help.split("Commands:\n").nth(1).unwrap_or_default();
+    let lines = list.lines().take_while(|line| !line.is_empty());
+    let names = lines.filter_map(|line| line.strip_prefix("  ")?.split(' ').next());
+    names.filter(|name| !name.is_empty() && *name != "help")
 }
 
 /// A table of keys for each block of the scene file.
@@ -175,6 +181,13 @@ mod tests {
         assert_eq!(new, "a\n<!-- generated: x -->\n\nnew\n\n<!-- end -->\nb\n");
         assert_eq!(replaced(&new, "x", "new").unwrap(), new);
         assert!(replaced(page, "y", "new").is_err());
+    }
+
+    #[test]
+    fn commands_are_found_in_help() {
+        let help = "X\n\nCommands:\n  a     Do a\n          more of it\n  help  Print this\n\nOptions:\n  -v\n";
+        assert_eq!(subcommands(help).collect::<Vec<_>>(), ["a"]);
+        assert_eq!(subcommands("Usage: x").count(), 0);
     }
 
     #[test]

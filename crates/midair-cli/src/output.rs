@@ -122,6 +122,8 @@ impl Output {
             }
         }
         self.made.clear();
+        // A name that stands for a pair of files is none itself.
+        self.files.retain(|file| file.exists());
         Ok(std::mem::take(&mut self.files))
     }
 }

@@ -2,8 +2,9 @@
 //!
 //! The tests skip themselves, with a note, where a tool is missing.
 
-use midair::map::format::{Format, read_map, write_map};
-use midair::map::{Map, Status};
+use midair::map::format::{Format, decode_channels, read_map, write_channels, write_map};
+use midair::map::{Map, Status, bleed, reversed};
+use midair::media::{Filter, Warp};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -174,6 +175,145 @@ fn ffmpeg_remaps_as_the_map_says() {
                 *source.get_pixel(column.min(60), row.min(46))
             };
             assert_eq!(theirs, ours, "pixel {i}");
+        }
+    }
+}
+
+/// The forward map in OpenCV's hands turns what the display shows back into the picture.
+#[test]
+fn opencv_undoes_the_map_with_its_reverse() {
+    let Some(python) = python() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let size = [300, 240];
+    let mut map = Map::identity(320, 260);
+    for uv in &mut map.uv {
+        let [s, t] = *uv;
+        // Onto the whole picture and a little past its edges.
+        *uv = [1.04 * s * (0.7 + 0.3 * s) - 0.02, t + 0.1 * (6.0 * s).sin() * t * (1.0 - t)];
+    }
+    let picture = image::RgbImage::from_fn(size[0] as u32, size[1] as u32, |x, y| {
+        let wave = |a: f64, b: f64| {
+            (127.5 + 120.0 * (a * f64::from(x)).sin() * (b * f64::from(y)).cos()).round() as u8
+        };
+        image::Rgb([wave(0.05, 0.06), wave(0.03, 0.02), wave(0.07, 0.03)])
+    });
+    let warp = Warp::new(&map, size, Filter::Bilinear).unwrap();
+    let mut display = vec![0; 320 * 260 * 3];
+    warp.apply(picture.as_raw(), 3, &mut display).unwrap();
+    image::RgbImage::from_raw(320, 260, display).unwrap().save(at("display.png")).unwrap();
+    let forward = bleed(&reversed(&map, size), 1);
+    write_map(&forward, [320, 260], Format::OpenCv, &at("f.npy")).unwrap();
+    let script = "
+import cv2, numpy, sys
+folder = sys.argv[1] + '/'
+x, y = numpy.load(folder + 'f_x.npy'), numpy.load(folder + 'f_y.npy')
+seen = cv2.remap(cv2.imread(folder + 'display.png'), x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+cv2.imwrite(folder + 'seen.png', seen)
+";
+    run(Command::new(&python).args(["-c", script]).arg(folder.path()));
+    let seen = image::open(at("seen.png")).unwrap().into_rgb8();
+    let mut compared = 0;
+    for (i, status) in forward.status.iter().enumerate() {
+        let (x, y) = ((i % 300) as u32, (i / 300) as u32);
+        if *status == Status::Ok && (3..297).contains(&x) && (3..237).contains(&y) {
+            for c in 0..3 {
+                let (a, b) = (seen.get_pixel(x, y).0[c], picture.get_pixel(x, y).0[c]);
+                // Twice the bilinear error h^2 / 8 * f'' = (0.07^2 + 0.06^2) * 120 / 8 = 0.13 codes, OpenCV's 1/64 px
+                // times slopes of 8 codes a pixel, twice half a code of rounding.
+                assert!(a.abs_diff(b) <= 2, "{x} {y}: {a} {b}");
+            }
+            compared += 1;
+        }
+    }
+    assert!(compared > 60_000, "{compared}");
+}
+
+/// Blender's compositor, where a Python with `bpy` is named by MIDAIR_BPY_PYTHON or called `python3`.
+#[test]
+fn blender_maps_uv_as_the_map_says() {
+    let named = std::env::var_os("MIDAIR_BPY_PYTHON").map(PathBuf::from);
+    let python = named.unwrap_or_else(|| PathBuf::from("python3"));
+    let there = Command::new(&python).args(["-c", "import bpy"]).output();
+    if !there.is_ok_and(|output| output.status.success()) {
+        println!("skipped: no python3 with bpy (Blender); name one in MIDAIR_BPY_PYTHON");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let size = [96, 64];
+    let wave = |u: f64, v: f64| {
+        [0.5 + 0.4 * (5.0 * u).sin(), 0.5 + 0.4 * (4.0 * v).cos(), 0.2 + 0.6 * u * v]
+    };
+    let pixels: Vec<[f64; 3]> =
+        Map::identity(size[0], size[1]).uv.iter().map(|uv| wave(uv[0], uv[1])).collect();
+    let channel = |c: usize| pixels.iter().map(|pixel| pixel[c] as f32).collect();
+    write_channels(
+        &at("picture.exr"),
+        size[0],
+        size[1],
+        vec![("R", channel(0)), ("G", channel(1)), ("B", channel(2))],
+        false,
+    )
+    .unwrap();
+    let mut map = Map::identity(size[0], size[1]);
+    for i in 0..map.uv.len() {
+        let [s, t] = map.uv[i];
+        map.uv[i] = [0.1 + 0.7 * s * (0.8 + 0.2 * s), 0.15 + 0.6 * t + 0.1 * s];
+        if i % 96 > 70 {
+            (map.uv[i], map.status[i]) = ([f64::NAN; 2], Status::Blocked);
+        }
+    }
+    write_map(&map, size, Format::Blender, &at("map.exr")).unwrap();
+    let script = "
+import bpy, sys
+folder = sys.argv[1] + '/'
+scene = bpy.context.scene
+scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 96, 64, 100
+scene.view_settings.view_transform = 'Raw'
+scene.render.image_settings.file_format = 'OPEN_EXR'
+scene.render.image_settings.color_depth = '32'
+scene.render.filepath = folder + 'result.exr'
+scene.use_nodes = True
+tree = scene.node_tree
+tree.nodes.clear()
+def node(kind, file=None, colours='Non-Color'):
+    made = tree.nodes.new(kind)
+    if file:
+        made.image = bpy.data.images.load(folder + file)
+        made.image.colorspace_settings.name = colours
+    return made
+picture, uv = node('CompositorNodeImage', 'picture.exr'), node('CompositorNodeImage', 'map.exr')
+remap, out = node('CompositorNodeMapUV'), node('CompositorNodeComposite')
+remap.filter_type = 'NEAREST'  # its other filter is a blur of its own kind
+tree.links.new(picture.outputs['Image'], remap.inputs['Image'])
+tree.links.new(uv.outputs['Image'], remap.inputs['UV'])
+tree.links.new(remap.outputs['Image'], out.inputs['Image'])
+bpy.ops.render.render(write_still=True)
+";
+    run(Command::new(&python).args(["-c", script]).arg(folder.path()));
+    let bytes = std::fs::read(at("result.exr")).unwrap();
+    let result = decode_channels(&at("result.exr"), &bytes, 0.0).unwrap();
+    for (c, name) in ["R", "G", "B"].into_iter().enumerate() {
+        let result = result.get(name).unwrap();
+        for (i, uv) in map.uv.iter().enumerate() {
+            let theirs = f64::from(result[i]);
+            if uv[0].is_nan() {
+                assert_eq!(theirs, 0.0, "{i}");
+            } else {
+                // The picture's pixel that holds the point, or a neighbour's where that is a matter of float32.
+                let near = [-1e-3, 1e-3].map(|slack| {
+                    let x = (uv[0] * size[0] as f64 + slack) as usize;
+                    let y = ((1.0 - uv[1]) * size[1] as f64 + slack) as usize;
+                    [x, y]
+                });
+                let held = near.iter().flat_map(|a| near.iter().map(move |b| [a[0], b[1]]));
+                let ours = held.map(|[x, y]| pixels[y * size[0] + x][c] as f32);
+                assert!(
+                    ours.into_iter().any(|ours| (theirs - f64::from(ours)).abs() < 1e-6),
+                    "{name} {i}: {theirs}"
+                );
+            }
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::summary::{Counts, Voice, number, paths, timings, wrote};
 use clap::ValueEnum;
 use midair::evaluate::proof::{Reference, Watch as _, view_size};
 use midair::map::format::{Format, write_bytes_atomically, write_map};
-use midair::map::{Accuracy, Map, invert, splat};
+use midair::map::{Accuracy, Map, bleed, forward, invert, splat};
 use midair::media::optimal::{Weighting, optimal_display, view_through};
 use midair::media::{Depth, Picture, Still, display_image, write_still};
 use midair::scene::Loaded;
@@ -49,6 +49,13 @@ pub struct Arguments {
     /// Kinds of map files, separated by commas
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "exr", value_parser = map_formats())]
     format: Vec<Format>,
+    /// Let the maps go on for N pixels beyond the covered region, for tools that interpolate between their pixels; coverage stays as it
+    /// is
+    #[arg(long, value_name = "N", default_value = "0", value_parser = clap::value_parser!(u16).range(0..=4096))]
+    bleed: u16,
+    /// Write the forward map as well: for each pixel of the picture the place on the display that shows it (forward.exr, ...)
+    #[arg(long)]
+    forward: bool,
 }
 
 /// How a map is made.
@@ -106,7 +113,23 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         Some(still) => [still.picture.width, still.picture.height],
         None => view_size(&setup, setup.resolution[0]),
     };
-    let (more, time) = timed(|| write_maps(&mut output, &solved.map, source, &arguments.format))?;
+    let rings = usize::from(arguments.bleed);
+    let (more, time) = timed(|| {
+        let bled = (rings > 0).then(|| bleed(&solved.map, rings));
+        let map = bled.as_ref().unwrap_or(&solved.map);
+        let mut notes = write_maps(&mut output, map, "map", source, &arguments.format)?;
+        if arguments.forward {
+            let map = bleed(&forward(&setup, &solved.map, source), rings);
+            notes.extend(write_maps(
+                &mut output,
+                &map,
+                "forward",
+                setup.resolution,
+                &arguments.format,
+            )?);
+        }
+        Ok(notes)
+    })?;
     notes.extend(more);
     laps.push(("write_map", time));
     bar.finish();
@@ -207,21 +230,23 @@ pub fn write_display(output: &mut Output, still: &Still, display: &Picture) -> R
     Ok(())
 }
 
-/// Writes the map in each format; returns what the user should know.
+/// Writes the map in each format, under the format's file name with `name` in the place of "map"; returns what the
+/// user should know.
 pub fn write_maps(
     output: &mut Output,
     map: &Map,
+    name: &str,
     source: [usize; 2],
     formats: &[Format],
 ) -> Result<Vec<String>, Failure> {
     let mut notes = Vec::new();
     for &format in formats {
-        let written =
-            output.write(format.file_name(), |path| write_map(map, source, format, path))?;
+        let name = format.file_name().replacen("map", name, 1);
+        let written = output.write(&name, |path| write_map(map, source, format, path))?;
         // The note may begin with the file's name, which is not yet the final one.
         notes.extend(written.notes.into_iter().map(|note| match note.split_once(": ") {
-            Some((file, rest)) if Path::new(file).ends_with(format.file_name()) => {
-                format!("{}: {rest}", format.file_name())
+            Some((file, rest)) if Path::new(file).ends_with(&name) => {
+                format!("{name}: {rest}")
             }
             _ => note,
         }));

@@ -5,6 +5,7 @@ mod compensate;
 mod completions;
 mod demo;
 mod man;
+mod map;
 mod report;
 mod schema;
 mod view;
@@ -40,6 +41,7 @@ enum Command {
     View(view::Arguments),
     Check(check::Arguments),
     Report(report::Arguments),
+    Map(map::Arguments),
     Schema(schema::Arguments),
     Completions(completions::Arguments),
     Man(man::Arguments),
@@ -54,6 +56,7 @@ pub fn run(program: Program) -> Result<(), Failure> {
         Command::View(arguments) => view::run(&arguments, voice),
         Command::Check(arguments) => check::run(&arguments, voice),
         Command::Report(arguments) => report::run(&arguments, voice),
+        Command::Map(arguments) => map::run(&arguments, voice),
         Command::Schema(arguments) => schema::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
         Command::Man(arguments) => man::run(&arguments, voice),
@@ -68,7 +71,10 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent_and_every_command_has_an_example() {
         Program::command().debug_assert();
-        for command in Program::command().get_subcommands() {
+        let program = Program::command();
+        for command in
+            program.get_subcommands().flat_map(|c| std::iter::once(c).chain(c.get_subcommands()))
+        {
             let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
             assert!(help.contains("Example"), "{}", command.get_name());
         }

@@ -64,7 +64,7 @@ pub fn formation(setup: &Setup, map: &Map, [width, height]: [usize; 2]) -> Forma
     Formation { width, height, points, wanted }
 }
 
-fn classify(end: End, map: &Map) -> ImagePoint {
+pub(super) fn classify(end: End, map: &Map) -> ImagePoint {
     match end {
         End::Display { through_plate: false, .. } | End::MissedPlate => ImagePoint::MissedPlate,
         End::Display { st, .. } if !on_display(st) => ImagePoint::MissedDisplay,

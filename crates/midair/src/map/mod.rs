@@ -3,12 +3,16 @@
 mod bleed;
 pub mod format;
 mod formation;
+mod forward;
 mod invert;
 mod model;
+mod reverse;
 mod splat;
 
 pub use bleed::bleed;
 pub use formation::{Formation, ImagePoint, formation};
+pub use forward::forward;
 pub use invert::{Accuracy, Effort, invert, invert_into};
 pub use model::{Map, Status, pixel_at, pixel_centre};
+pub use reverse::reversed;
 pub use splat::{Splat, splat};

@@ -51,7 +51,8 @@ pub struct Written {
 
 /// Writes a map. `source` is the width and height in pixels of what the map leads into; the formats of
 /// absolute pixels need it. Formats of two files derive their names from `path`, see [`Format`].
-/// Each file is whole or absent.
+/// Each file is whole or absent. Formats that have no place for coverage get a mask beside them, `NAME_coverage.png`, if the map goes
+/// on beyond its covered region (see [`bleed`](super::bleed())).
 ///
 /// # Errors
 /// [`FileError`] where a file cannot be written, or the map or source does not fit the format.
@@ -105,6 +106,13 @@ pub fn write_map(
         Format::OpenCv => written.files = opencv::write_npy(map, source, path)?,
         Format::OpenCvYaml => opencv::write_yaml(map, source, path)?,
         Format::Mpcdi => mpcdi::write(map, source, path)?,
+    }
+    let bled =
+        || map.uv.iter().zip(&map.status).any(|(uv, s)| answer(*uv).is_some() && !covered(*s));
+    if matches!(format, Format::Ffmpeg | Format::OpenCv | Format::OpenCvYaml) && bled() {
+        let file = pair::coverage(path);
+        png::write_coverage(map, &file)?;
+        written.files.push(file);
     }
     Ok(written)
 }

@@ -1,8 +1,8 @@
 //! MPCDI 2.0 (VESA), 2D profile: a zip of an XML description, a PFM and an alpha PNG.
 
 use super::exr_channels::{MAX_PIXELS, check_size};
-use super::png::encode_png;
-use super::{FileError, LoadedMap, answer, covered, decode_samples, write_atomically};
+use super::png::{coverage, encode_png};
+use super::{FileError, LoadedMap, answer, decode_samples, write_atomically};
 use crate::map::{Map, Status};
 use image::{ExtendedColorType, ImageFormat};
 use std::io::{self, Cursor, Read, Write};
@@ -14,8 +14,7 @@ const DESCRIPTION: &str = "mpcdi.xml";
 
 pub(super) fn write(map: &Map, source: [usize; 2], path: &Path) -> Result<(), FileError> {
     let mut alpha = Vec::new();
-    let cover: Vec<u8> =
-        map.status.iter().map(|&status| if covered(status) { 255 } else { 0 }).collect();
+    let cover = coverage(map);
     encode_png(&mut alpha, path, (map.width, map.height), &cover, ExtendedColorType::L8)?;
     // A negative scale says little-endian. The rows run from the top, unlike other PFM files.
     let mut warp = format!("PF\n{} {}\n-1.0\n", map.width, map.height).into_bytes();

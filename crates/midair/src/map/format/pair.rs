@@ -5,9 +5,18 @@ use std::path::{Path, PathBuf};
 
 /// `NAME_x.EXT` and `NAME_y.EXT` for `NAME.EXT`, or for either of the two themselves.
 pub(super) fn x_and_y(path: &Path) -> [PathBuf; 2] {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let name = stem.strip_suffix("_x").or(stem.strip_suffix("_y")).unwrap_or(&stem);
+    let name = name(path);
     ["_x", "_y"].map(|suffix| with_stem(path, &format!("{name}{suffix}")))
+}
+
+/// `NAME_coverage.png` for any of them.
+pub(super) fn coverage(path: &Path) -> PathBuf {
+    path.with_file_name(format!("{}_coverage.png", name(path)))
+}
+
+fn name(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    stem.strip_suffix("_x").or(stem.strip_suffix("_y")).unwrap_or(&stem).to_owned()
 }
 
 /// `status.npy` for `map.npy`: "status" in the place of the name's last "map", or appended.
@@ -38,6 +47,7 @@ mod tests {
         let expected = [PathBuf::from("a/m_x.pgm"), PathBuf::from("a/m_y.pgm")];
         for name in ["a/m.pgm", "a/m_x.pgm", "a/m_y.pgm"] {
             assert_eq!(x_and_y(Path::new(name)), expected);
+            assert_eq!(coverage(Path::new(name)), Path::new("a/m_coverage.png"));
         }
         assert_eq!(status(Path::new("a/map.npy")), Path::new("a/status.npy"));
         assert_eq!(status(Path::new("g.npy")), Path::new("g-status.npy"));

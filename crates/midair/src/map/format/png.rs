@@ -112,6 +112,16 @@ pub(super) fn write_map_png(map: &Map, path: &Path) -> Result<(), FileError> {
     write_png(path, (map.width, map.height), &samples, ExtendedColorType::Rgba16)
 }
 
+/// 255 where a pixel has an answer of its own, else 0.
+pub(super) fn write_coverage(map: &Map, path: &Path) -> Result<(), FileError> {
+    write_png(path, (map.width, map.height), &coverage(map), ExtendedColorType::L8)
+}
+
+/// See [`write_coverage`].
+pub(super) fn coverage(map: &Map) -> Vec<u8> {
+    map.status.iter().map(|&status| if covered(status) { 255 } else { 0 }).collect()
+}
+
 pub(super) fn read_map_png(path: &Path, bytes: &[u8]) -> Result<LoadedMap, FileError> {
     let (image, _) = decode_samples(path, bytes, ImageFormat::Png)?;
     if image.color().bytes_per_pixel() / image.color().channel_count() < 2 {

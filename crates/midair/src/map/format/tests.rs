@@ -89,6 +89,20 @@ fn a_bled_ring_survives_with_its_coverage_apart() {
         assert!(distance(&bled, &read).iter().all(|&d| d < 1e-5), "{format}");
         assert_eq!(read.status, map.status, "{format}");
     }
+    for format in [Format::Ffmpeg, Format::OpenCv, Format::OpenCvYaml] {
+        let path = folder.path().join(format.file_name());
+        // Without a ring there is nothing to keep apart.
+        let plain = write_map(&map, SOURCE, format, &path).unwrap().files;
+        let files = write_map(&bled, SOURCE, format, &path).unwrap().files;
+        assert_eq!(files.len(), plain.len() + 1, "{format}");
+        let mask = image::open(files.last().unwrap()).unwrap().into_luma8();
+        for (pixel, status) in mask.as_raw().iter().zip(&map.status) {
+            assert_eq!(*pixel, if covered(*status) { 255 } else { 0 }, "{format}");
+        }
+        let read = read_map(&path, Some(format), Some(SOURCE)).unwrap().map;
+        let extended = |map: &Map| map.uv.iter().filter(|uv| uv[0].is_finite()).count();
+        assert_eq!(extended(&read), extended(&bled), "{format}");
+    }
 }
 
 #[test]

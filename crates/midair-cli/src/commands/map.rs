@@ -1,0 +1,152 @@
+//! `midair map`: what is done with maps themselves.
+
+use crate::arguments::{Size, map_formats};
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::summary::{Counts, Voice, milliseconds, paths, timings, wrote};
+use clap::Subcommand;
+use midair::map::format::{Format, read_map, write_map};
+use midair::map::{bleed, reversed};
+use serde_json::json;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Convert maps between tools, extend them beyond their edge, turn them about
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  midair map convert out/map.exr map.mpcdi --source 1920x1080")]
+pub struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Convert(Convert),
+}
+
+/// Convert a map from one tool's form to another's
+///
+/// The kinds are those of `midair compensate --format`. A name ending in .exr, .npy, .png, .pgm, .yml or .mpcdi tells its kind, of two
+/// kinds the more general one; --from and --to tell it otherwise. Kinds of two files (ffmpeg, opencv) are named by either of them or by their common name.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Examples:\n  midair map convert out/map.exr maps/m.npy --to opencv --source 1920x1080\n  \
+    midair map convert theirs.pgm ours.exr --source 1280x720\n  \
+    midair map convert out/map.exr wide.exr --bleed 8\n  \
+    midair map convert out/map.exr forward.exr --forward --source 1920x1080"
+)]
+struct Convert {
+    /// The map to read
+    #[arg(value_name = "IN")]
+    input: PathBuf,
+    /// The map to write
+    #[arg(value_name = "OUT")]
+    output: PathBuf,
+    /// Kind of the map that is read
+    #[arg(long, value_name = "KIND", value_parser = map_formats())]
+    from: Option<Format>,
+    /// Kind of the map to write
+    #[arg(long, value_name = "KIND", value_parser = map_formats())]
+    to: Option<Format>,
+    /// Pixels of the picture that the map is for; ffmpeg and opencv maps have no meaning without it
+    #[arg(long, value_name = "WxH")]
+    source: Option<Size>,
+    /// Go on for N pixels beyond the covered region; coverage stays as it is
+    #[arg(long, value_name = "N", default_value = "0", value_parser = clap::value_parser!(u16).range(0..=4096))]
+    bleed: u16,
+    /// Turn the map about: write for each pixel of the picture (--source of them, or as many as the map has) the place on the
+    /// display that shows it; of such a map, the one for the display
+    #[arg(long, visible_alias = "reverse")]
+    forward: bool,
+}
+
+pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
+    match &arguments.command {
+        Command::Convert(arguments) => convert(arguments, voice),
+    }
+}
+
+fn convert(arguments: &Convert, voice: Voice) -> Result<(), Failure> {
+    let given = arguments.source.map(|Size(size)| size);
+    let told = |failure: midair::map::format::FileError| match failure.to_string() {
+        text if given.is_none() && text.contains("whose size is not known") => Failure::new(
+            format!(
+                "{}: this kind of map holds pixels of the picture, whose size is not known",
+                arguments.input.display()
+            ),
+            "add --source WxH, the picture's size in pixels",
+        ),
+        _ => failure.into(),
+    };
+    let to = arguments.to.or_else(|| Format::of_path(&arguments.output)).ok_or_else(|| {
+        Failure::new(
+            format!(
+                "{}: its name does not tell which kind of map to write",
+                arguments.output.display()
+            ),
+            "end it in .exr, .npy, .png, .pgm, .yml or .mpcdi, or name the kind with --to",
+        )
+    })?;
+    let absolute = matches!(to, Format::Ffmpeg | Format::OpenCv | Format::OpenCvYaml);
+    if absolute && given.is_none() && !arguments.forward {
+        return Err(Failure::new(
+            format!(
+                "{}: a map of kind {to} holds pixels of the picture, whose size is not known",
+                arguments.output.display()
+            ),
+            "add --source WxH, the picture's size in pixels",
+        ));
+    }
+    let start = Instant::now();
+    let loaded = read_map(&arguments.input, arguments.from, given).map_err(told)?;
+    let mut notes = loaded.notes;
+    let mut map = loaded.map;
+    let read = start.elapsed();
+
+    let start = Instant::now();
+    let display = [map.width, map.height];
+    let mut source = given.unwrap_or(display);
+    if arguments.forward {
+        map = reversed(&map, source);
+        source = display;
+    }
+    let counts = Counts::of(&map);
+    if arguments.bleed > 0 {
+        map = bleed(&map, usize::from(arguments.bleed));
+    }
+    let work = start.elapsed();
+
+    let (mut output, name) = Output::of_file(&arguments.output)?;
+    let start = Instant::now();
+    let written = output.write(&name, |path| write_map(&map, source, to, path))?;
+    notes.extend(written.notes.into_iter().map(|note| match note.split_once(": ") {
+        Some((_, rest)) => format!("{name}: {rest}"),
+        None => note,
+    }));
+    let files = output.finish()?;
+    let laps = [("read", read), ("convert", work), ("write", start.elapsed())];
+    voice.note(&notes);
+    laps.iter()
+        .for_each(|(name, time)| voice.explain(&format!("{name}: {} ms", milliseconds(*time))));
+    let lines = format!(
+        "a map of {} x {} pixels as {to}\n{}\n{}",
+        map.width,
+        map.height,
+        counts.line(),
+        wrote(&files)
+    );
+    voice.tell(
+        &lines,
+        &json!({
+            "kind": to.name(),
+            "size": [map.width, map.height],
+            "source": source,
+            "forward": arguments.forward,
+            "bleed": arguments.bleed,
+            "status": counts.json(),
+            "timings_ms": timings(&laps),
+            "files": paths(&files),
+            "notes": notes,
+        }),
+    )
+}
