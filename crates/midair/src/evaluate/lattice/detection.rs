@@ -2,8 +2,9 @@
 
 use super::super::Plane;
 use super::graph::{Node, trace_lines};
+use super::joining::{Joined, join};
 use super::measurement::Measurement;
-use super::ordering::{Piece, pieces};
+use super::ordering::pieces;
 use super::ridge::RidgeField;
 
 /// A lattice found in a picture.
@@ -79,8 +80,9 @@ pub enum LatticeError {
     NoLattice,
     /// Fewer lines than asked for: which ones are missing cannot be told.
     #[error(
-        "only {columns} x {rows} joined lines of a {lines} x {lines} lattice are seen \
-         ({nodes} crossings): show all of it, in focus and evenly lit"
+        "only {columns} x {rows} joined lines of a {lines} x {lines} lattice are seen ({nodes} crossings\
+         {}): show all of it, in focus and evenly lit, or ask for another count of lines",
+        beside(*left_over)
     )]
     Partial {
         /// Vertical lines seen.
@@ -91,6 +93,8 @@ pub enum LatticeError {
         lines: usize,
         /// Crossings seen.
         nodes: usize,
+        /// Pieces seen beside it of which it cannot be told where they belong.
+        left_over: usize,
     },
     /// More lines than asked for: which ones do not belong cannot be told.
     #[error(
@@ -107,6 +111,14 @@ pub enum LatticeError {
     },
 }
 
+fn beside(left_over: usize) -> String {
+    match left_over {
+        0 => String::new(),
+        1 => "; where another piece belongs cannot be told".to_owned(),
+        more => format!("; where {more} other pieces belong cannot be told"),
+    }
+}
+
 /// Pictures are searched at no more than this many pixels on the longer side, and measured at
 /// full resolution.
 const SEARCH_SIZE: usize = 800;
@@ -119,7 +131,8 @@ const SCALES: [f64; 4] = [2.0, 3.2, 1.2, 5.0];
 /// Ridges are traced from crossing to crossing, so the lattice may be turned by up to 45 degrees,
 /// seen in perspective, bent and unevenly lit; every crossing is then measured at full resolution
 /// from the centres of the two lines on all sides of it. Rows and columns are told from one
-/// another by which lines join, not by where they are. Values in linear light
+/// another by which lines join, not by where they are; where an edge (of a glass cube, say) cuts the lattice into
+/// pieces, they are put together if that can be done in one way only. Values in linear light
 /// ([`Plane::luminance`]) are located best; a picture of dark lines is measured as
 /// [`Plane::inverted`].
 ///
@@ -134,35 +147,55 @@ pub fn detect(picture: &Plane, lines: usize) -> Result<Lattice, LatticeError> {
         searched = std::borrow::Cow::Owned(halved(&searched));
         scale *= 2.0;
     }
-    let mut best: Option<(Vec<Node>, Piece, f64)> = None;
+    let mut best: Option<(Vec<Node>, Joined, f64)> = None;
     let mut crowded = None;
     for sigma in SCALES {
         let nodes = trace_lines(&RidgeField::new(&searched, sigma));
-        let Some(piece) = pieces(&nodes).into_iter().next() else { continue };
-        if piece.columns > lines || piece.rows > lines {
+        let pieces = pieces(&nodes);
+        if let Some(piece) = pieces.first()
+            && (piece.columns > lines || piece.rows > lines)
+        {
             crowded = crowded.or(Some((piece.columns, piece.rows)));
             continue;
         }
-        let complete = piece.cells.len() == lines * lines;
-        if best.as_ref().is_none_or(|(_, other, _)| piece.cells.len() > other.cells.len()) {
-            best = Some((nodes, piece, sigma));
+        let Some(joined) = join(&nodes, pieces, lines) else { continue };
+        let crossings = joined.crossings();
+        if best.as_ref().is_none_or(|(_, other, _)| crossings > other.crossings()) {
+            best = Some((nodes, joined, sigma));
         }
-        if complete {
+        if crossings == lines * lines {
             break;
         }
     }
-    let Some((nodes, piece, sigma)) = best else {
+    let Some((nodes, joined, sigma)) = best else {
         let (columns, rows) = crowded.ok_or(LatticeError::NoLattice)?;
         return Err(LatticeError::TooMany { columns, rows, lines });
     };
-    if (piece.columns, piece.rows) != (lines, lines) {
+    if (joined.columns, joined.rows) != (lines, lines) {
         if let Some((columns, rows)) = crowded {
             return Err(LatticeError::TooMany { columns, rows, lines });
         }
-        let (columns, rows, nodes) = (piece.columns, piece.rows, piece.cells.len());
-        return Err(LatticeError::Partial { columns, rows, lines, nodes });
+        let Joined { columns, rows, left_over, .. } = joined;
+        return Err(LatticeError::Partial {
+            columns,
+            rows,
+            lines,
+            nodes: joined.crossings(),
+            left_over,
+        });
     }
-    Ok(Measurement { picture, nodes: &nodes, scale, sigma }.lattice(&piece, lines))
+    let measurement = Measurement { picture, nodes: &nodes, scale, sigma };
+    // Each piece by itself: lines end where they are cut.
+    let mut parts = joined.pieces.iter().map(|piece| measurement.lattice(piece, lines));
+    let mut lattice = parts.next().ok_or(LatticeError::NoLattice)?;
+    for part in parts {
+        for (found, other) in lattice.intersections.iter_mut().zip(part.intersections) {
+            if matches!(found, Err(Missing::NotSeen)) {
+                *found = other;
+            }
+        }
+    }
+    Ok(lattice)
 }
 
 fn check(picture: &Plane, lines: usize) -> Result<(), LatticeError> {

@@ -9,6 +9,7 @@ mod detection;
 mod displacement;
 mod drawing;
 mod graph;
+mod joining;
 mod measurement;
 mod ordering;
 mod refinement;
