@@ -23,7 +23,7 @@ fn main() -> ExitCode {
     output::clean_up_on_interrupt();
     let program = commands::Program::parse();
     match commands::run(program) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(failure) => {
             // There is nobody to tell if even this cannot be written.
             let _ = writeln!(std::io::stderr(), "{:?}", miette::Report::new(failure));

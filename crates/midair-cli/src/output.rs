@@ -4,23 +4,41 @@ use crate::failure::Failure;
 use midair::map::format::FileError;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 use tempfile::TempDir;
 
 /// Folders to remove if the program is interrupted.
 static STAGING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
+/// Whether work is under way that keeps what it has when it is interrupted.
+static STOPPABLE: AtomicBool = AtomicBool::new(false);
+/// Whether it was.
+static STOP: AtomicBool = AtomicBool::new(false);
+
+/// What a shell reports for a program ended by an interrupt.
+pub const INTERRUPTED: u8 = 130;
+
+/// The flag that an interrupt sets from now on, for work that watches it and keeps what it has. A second interrupt
+/// ends the program.
+pub fn stop_on_interrupt() -> &'static AtomicBool {
+    STOPPABLE.store(true, Ordering::SeqCst);
+    &STOP
+}
+
 /// On Ctrl-C (and on a request to end) unfinished files are removed before the program ends.
 pub fn clean_up_on_interrupt() {
     // If no handler can be set an interrupt leaves a hidden folder behind, which harms nobody.
     let _ = ctrlc::set_handler(|| {
+        if STOPPABLE.load(Ordering::SeqCst) && !STOP.swap(true, Ordering::SeqCst) {
+            return;
+        }
         let staging = STAGING.lock().map(|mut folders| std::mem::take(&mut *folders));
         for folder in staging.unwrap_or_default() {
             let _ = std::fs::remove_dir_all(&folder);
             // Removes the output folder only while it is empty: made by us, for nothing.
             let _ = folder.parent().map(std::fs::remove_dir);
         }
-        // What a shell reports for a program ended by an interrupt.
-        std::process::exit(130);
+        std::process::exit(INTERRUPTED.into());
     });
 }
 
@@ -83,7 +101,10 @@ impl Output {
         write: impl FnOnce(&Path) -> Result<T, FileError>,
     ) -> Result<T, Failure> {
         let made = write(&self.staging.path().join(name)).map_err(|error| self.renamed(error))?;
-        self.files.push(self.folder.join(name));
+        let target = self.folder.join(name);
+        if !self.files.contains(&target) {
+            self.files.push(target);
+        }
         Ok(made)
     }
 
@@ -108,6 +129,13 @@ impl Output {
 
     /// Puts all files in their place and names them, those asked for first.
     pub fn finish(mut self) -> Result<Vec<PathBuf>, Failure> {
+        self.publish()?;
+        self.made.clear();
+        Ok(std::mem::take(&mut self.files))
+    }
+
+    /// Puts the files that are made so far in their place; made again, they replace these.
+    pub fn publish(&mut self) -> Result<(), Failure> {
         let read = |error| FileError::io(&self.folder, "write", error);
         let entries = std::fs::read_dir(self.staging.path()).map_err(read)?;
         let names = entries.map(|entry| Ok(entry.map_err(read)?.file_name()));
@@ -121,10 +149,14 @@ impl Output {
                 self.files.push(target);
             }
         }
+<<<<<<< HEAD
         self.made.clear();
         // A name that stands for a pair of files is none itself.
         self.files.retain(|file| file.exists());
         Ok(std::mem::take(&mut self.files))
+=======
+        Ok(())
+>>>>>>> plate
     }
 }
 
@@ -155,6 +187,21 @@ mod tests {
         let files = output.finish().unwrap();
         assert_eq!(files, [folder.join("one")]);
         assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn what_is_published_is_there_and_can_be_made_again() {
+        let place = tempfile::tempdir().unwrap();
+        let (mut output, name) = Output::of_file(&place.path().join("one")).unwrap();
+        let read = || std::fs::read(place.path().join("one")).unwrap();
+        output.write(&name, |path| write_bytes_atomically(path, b"1")).unwrap();
+        output.publish().unwrap();
+        assert_eq!(read(), b"1");
+        output.write(&name, |path| write_bytes_atomically(path, b"2")).unwrap();
+        assert_eq!(read(), b"1");
+        assert_eq!(output.finish().unwrap(), [place.path().join("one")]);
+        assert_eq!(read(), b"2");
+        assert_eq!(std::fs::read_dir(place.path()).unwrap().count(), 1);
     }
 
     #[test]

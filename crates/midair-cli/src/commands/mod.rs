@@ -13,6 +13,7 @@ mod view;
 use crate::failure::Failure;
 use crate::summary::Voice;
 use clap::{Parser, Subcommand};
+use std::process::ExitCode;
 
 /// What a display must show so that its mid-air image looks undistorted.
 ///
@@ -21,7 +22,7 @@ use clap::{Parser, Subcommand};
 #[derive(Debug, Parser)]
 #[command(name = "midair", version, arg_required_else_help = true, max_term_width = 100)]
 #[command(
-    after_help = "Start with:\n  midair demo\n\nExit codes: 0 done; 2 not done, and a message says why."
+    after_help = "Start with:\n  midair demo\n\nExit codes: 0 done; 2 not done, and a message says why; 130 interrupted."
 )]
 pub struct Program {
     #[command(subcommand)]
@@ -48,19 +49,21 @@ enum Command {
 }
 
 /// Does what the command line asks for.
-pub fn run(program: Program) -> Result<(), Failure> {
+pub fn run(program: Program) -> Result<ExitCode, Failure> {
     let voice = Voice { json: program.json, verbose: program.verbose };
     match program.command {
+        // The one that can be interrupted and still has something to show.
+        Command::View(arguments) => return view::run(&arguments, voice),
         Command::Demo(arguments) => demo::run(&arguments, voice),
         Command::Compensate(arguments) => compensate::run(&arguments, voice),
-        Command::View(arguments) => view::run(&arguments, voice),
         Command::Check(arguments) => check::run(&arguments, voice),
         Command::Report(arguments) => report::run(&arguments, voice),
         Command::Map(arguments) => map::run(&arguments, voice),
         Command::Schema(arguments) => schema::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
         Command::Man(arguments) => man::run(&arguments, voice),
-    }
+    }?;
+    Ok(ExitCode::SUCCESS)
 }
 
 #[cfg(test)]

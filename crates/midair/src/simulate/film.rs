@@ -51,6 +51,11 @@ pub struct Render {
     pub error: ErrorEstimate,
     /// Paths followed.
     pub paths: u64,
+    /// Paths through the pixel that has the fewest, and through the one that has the most: different only
+    /// where a render was stopped.
+    pub samples_per_pixel: [u32; 2],
+    /// Mean luminance of all light, over the pixels that were rendered; NaN if none was.
+    pub mean_luminance: f64,
     /// Whether all paths that were asked for were followed.
     pub complete: bool,
 }
@@ -161,12 +166,16 @@ pub(super) fn develop(rows: &[Row], paths_each: usize, complete: bool) -> Render
         }
     }
     let [real, stray, through] = layers;
+    let done = || rows.iter().map(|row| row.done * REPLICATIONS as u32);
+    let samples_per_pixel = [done().min().unwrap_or(0), done().max().unwrap_or(0)];
+    let mean_luminance = means.iter().sum::<f64>() / (REPLICATIONS as f64 * rendered as f64);
     let error = ErrorEstimate {
         pixel: pixel_error,
         noise: (squares / rendered as f64).sqrt(),
         of_mean: standard_error(means.map(|sum| sum / rendered as f64)),
     };
-    Render { layers: Layers { real, stray, through }, error, paths, complete }
+    let layers = Layers { real, stray, through };
+    Render { layers, error, paths, samples_per_pixel, mean_luminance, complete }
 }
 
 /// The standard error of the mean of independent values.
@@ -200,6 +209,9 @@ mod tests {
         let render = develop(&[row, Row::new(2)], 1, false);
         // Two paths in each of eight replications; the second row is not rendered.
         assert_eq!(render.paths, 32);
+        assert_eq!(render.samples_per_pixel, [0, 16]);
+        // Luminance 0.5 * 0.2126 + 0.7152 + 2 * 0.0722 in one of two pixels; kept in single precision.
+        assert!((render.mean_luminance - 0.482_95).abs() < 1e-6, "{}", render.mean_luminance);
         assert_eq!(render.layers.real.pixels[1], [0.5, 0.0, 0.0, 1.0]);
         assert_eq!(render.layers.stray.pixels[1], [0.0, 1.0, 0.0, 1.0]);
         assert_eq!(render.layers.through.pixels[1], [0.0, 0.0, 2.0, 1.0]);

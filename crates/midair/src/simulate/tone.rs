@@ -66,14 +66,14 @@ pub fn write_png(
     Ok(factor)
 }
 
-/// Writes a render as one EXR file in linear light, 32-bit float: `R`, `G`, `B` of all light, which
-/// any viewer shows; `real.R` and so on, `stray.*` and `through.*` for the layers that add up to it; and
-/// `error.Y`, the standard error of each pixel's luminance.
+/// Writes a render as one EXR file in linear light, 32-bit float: `R`, `G`, `B` of the light that is asked
+/// for, which any viewer shows; `real.R` and so on, `stray.*` and `through.*` for the layers that add up to all light;
+/// and `error.Y`, the standard error of each pixel's luminance.
 ///
 /// # Errors
 /// As [`write_channels`].
-pub fn write_layers(path: &Path, render: &Render) -> Result<(), FileError> {
-    let all = render.view(Light::All);
+pub fn write_layers(path: &Path, render: &Render, light: Light) -> Result<(), FileError> {
+    let all = render.view(light);
     let layers = &render.layers;
     let channel = |picture: &Picture, c: usize| picture.pixels.iter().map(|p| p[c]).collect();
     let channels = vec![
@@ -131,10 +131,12 @@ mod tests {
             },
             error: ErrorEstimate { pixel: vec![0.01, 0.02], noise: 0.015, of_mean: 0.01 },
             paths: 2,
+            samples_per_pixel: [1, 1],
+            mean_luminance: 0.5,
             complete: true,
         };
         let path = folder.path().join("view.exr");
-        write_layers(&path, &render).unwrap();
+        write_layers(&path, &render, Light::All).unwrap();
         let file = decode_channels(&path, &std::fs::read(&path).unwrap(), 0.0).unwrap();
         assert_eq!(file.get("R").unwrap()[0], 0.875);
         assert_eq!(file.get("G").unwrap()[0], 0.4375);
@@ -143,6 +145,10 @@ mod tests {
         assert_eq!(file.get("through.G").unwrap(), [0.0625, 0.2]);
         assert_eq!(file.get("error.Y").unwrap(), [0.01, 0.02]);
         assert_eq!(file.channels.len(), 13);
+        write_layers(&path, &render, Light::Stray).unwrap();
+        let file = decode_channels(&path, &std::fs::read(&path).unwrap(), 0.0).unwrap();
+        assert_eq!(file.get("R").unwrap()[0], 0.375);
+        assert_eq!(file.get("real.R").unwrap(), [0.5, 0.1]);
 
         let path = folder.path().join("view.png");
         let factor =

@@ -1,5 +1,7 @@
 //! `midair view`: what is seen of a display.
 
+mod by_chance;
+
 use crate::arguments::{
     Point, Size, check_picture_name, check_view, open_picture, open_scene, positive,
 };
@@ -10,30 +12,40 @@ use crate::summary::{Voice, milliseconds, paths, percent, wrote};
 use midair::evaluate::proof::{Watch as _, view_size};
 use midair::geometry::Vec3;
 use midair::media::optimal::view_through;
-use midair::media::{Depth, write_still};
+use midair::media::{Depth, Still, write_still};
+use midair::scene::Loaded;
 use midair::simulate::Camera;
 use midair::transport::Setup;
 use serde_json::json;
 use std::path::PathBuf;
+use std::process::ExitCode;
 use std::time::Instant;
 
 /// Render what the viewer sees of a display
 ///
 /// The view shows the image's plane, so that a view pixel is an image point wherever the eye is. What no light of the display
 /// reaches is black.
+///
+/// By itself it follows the one course that light has through an ideal plate and clear objects, seen by a pinhole. With --spp, or
+/// any other option under \"Light by light\", it follows light by chance with all that happens to it: reflections, absorption,
+/// dispersion, a pupil, the plate's micro-structure with its stray images.
 #[derive(Debug, clap::Args)]
-#[command(
-    after_help = "Example:\n  midair view scene.toml --display out/display.png --out view.png --from 50,0,800"
-)]
+#[command(after_help = "\
+Examples:
+  midair view scene.toml --display out/display.png --out view.png --from 50,0,800
+  midair view scene.toml --display out/display.png --out view.png --out view.exr \\
+      --plate slit-mirror --spp 256 --aperture 4
+  midair view scene.toml --display out/display.png --out stray.png --plate slit-mirror \\
+      --light stray --exposure 4 --window 3")]
 pub struct Arguments {
     /// Scene file (TOML or JSON)
     scene: PathBuf,
     /// Picture that the display shows: PNG, JPEG or OpenEXR
     #[arg(long, value_name = "FILE")]
     display: PathBuf,
-    /// Picture to write: .png or .exr (linear light)
-    #[arg(long, value_name = "FILE")]
-    out: PathBuf,
+    /// Picture to write: .png or .exr (linear light); may be given more than once
+    #[arg(long, value_name = "FILE", required = true)]
+    out: Vec<PathBuf>,
     /// The eye in mm instead of the scene's viewpoint
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     from: Option<Point>,
@@ -46,10 +58,34 @@ pub struct Arguments {
     /// Rays through each pixel along each side
     #[arg(long, value_name = "N", default_value = "2", value_parser = clap::value_parser!(u16).range(1..=64))]
     supersampling: u16,
+    #[command(flatten)]
+    by_chance: by_chance::Options,
 }
 
-pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
-    check_picture_name(&arguments.out)?;
+/// What is rendered, and from where.
+struct Shot {
+    loaded: Loaded,
+    setup: Setup,
+    still: Still,
+    camera: Camera,
+    outputs: Vec<(Output, String)>,
+    notes: Vec<String>,
+}
+
+/// The exit code tells a view that was interrupted from a whole one.
+pub fn run(arguments: &Arguments, voice: Voice) -> Result<ExitCode, Failure> {
+    let by_chance = arguments.by_chance.any();
+    let shot = prepare(arguments, if by_chance { by_chance::MEMORY_AS_RAYS } else { 1 })?;
+    if by_chance {
+        return by_chance::run(&arguments.by_chance, shot, voice);
+    }
+    one_course(shot, voice)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Reads and checks everything. `weight`: how many rays a pixel counts for in memory, along each side.
+fn prepare(arguments: &Arguments, weight: usize) -> Result<Shot, Failure> {
+    arguments.out.iter().try_for_each(|out| check_picture_name(out))?;
     let loaded = open_scene(&arguments.scene, None)?;
     let mut notes = loaded.notes.clone();
     let still = open_picture(&arguments.display, &mut notes)?;
@@ -59,11 +95,17 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         None => view_size(&setup, setup.resolution[0]),
     };
     let supersampling = usize::from(arguments.supersampling);
-    check_view(size, supersampling)?;
-    let (mut output, name) = Output::of_file(&arguments.out)?;
-
+    check_view(size, supersampling.max(weight))?;
+    let outputs = arguments.out.iter().map(|out| Output::of_file(out)).collect::<Result<_, _>>()?;
     let eye = arguments.from.map_or(setup.viewpoint, |Point(at)| Vec3::from_array(at));
     let camera = Camera { eye, size, window: arguments.window, supersampling };
+    Ok(Shot { loaded, setup, still, camera, outputs, notes })
+}
+
+/// The view by the one course that light has through an ideal plate and clear elements.
+fn one_course(shot: Shot, voice: Voice) -> Result<(), Failure> {
+    let Shot { loaded, setup, still, camera, outputs, notes } = shot;
+    let (eye, size) = (camera.eye, camera.size);
     let start = Instant::now();
     let bar = Bar::new();
     bar.stage("rays of the view", size[1]);
@@ -75,8 +117,11 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         samples.st.iter().filter(|st| st[0].is_finite()).count() as f64 / samples.st.len() as f64;
 
     let depth = if still.depth == Depth::Eight { Depth::Eight } else { Depth::Sixteen };
-    output.write(&name, |path| write_still(path, &view, depth))?;
-    let files = output.finish()?;
+    let mut files = Vec::new();
+    for (mut output, name) in outputs {
+        output.write(&name, |path| write_still(path, &view, depth))?;
+        files.extend(output.finish()?);
+    }
     voice.note(&notes);
     voice.explain(&format!(
         "{} rays from ({}, {}, {}) mm, each the bilinear interpolation of four display pixels",
