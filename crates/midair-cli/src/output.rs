@@ -131,6 +131,8 @@ impl Output {
     pub fn finish(mut self) -> Result<Vec<PathBuf>, Failure> {
         self.publish()?;
         self.made.clear();
+        // A name that stands for a pair of files is none itself.
+        self.files.retain(|file| file.exists());
         Ok(std::mem::take(&mut self.files))
     }
 
@@ -149,14 +151,7 @@ impl Output {
                 self.files.push(target);
             }
         }
-<<<<<<< HEAD
-        self.made.clear();
-        // A name that stands for a pair of files is none itself.
-        self.files.retain(|file| file.exists());
-        Ok(std::mem::take(&mut self.files))
-=======
         Ok(())
->>>>>>> plate
     }
 }
 
