@@ -241,8 +241,7 @@ mod tests {
     #[test]
     fn two_pieces_are_joined_however_far_apart_they_are_if_the_count_leaves_no_choice() {
         for shift in [[0.0, 0.0], [4.0, -3.0], [-4.5, 4.5], [9.0, 5.0], [0.0, 9.0]] {
-            let (nodes, pieces) =
-                cut(&[[0.0; 2], shift], |c, _| Some(if c < 5 { 0 } else { 1 }));
+            let (nodes, pieces) = cut(&[[0.0; 2], shift], |c, _| Some(if c < 5 { 0 } else { 1 }));
             let joined = join(&nodes, pieces, 7).unwrap();
             assert!(is_whole(&joined) && joined.left_over == 0, "{shift:?}");
             assert_eq!(joined.crossings(), 49);
