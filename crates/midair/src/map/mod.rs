@@ -13,6 +13,6 @@ pub use bleed::bleed;
 pub use formation::{Formation, ImagePoint, formation};
 pub use forward::forward;
 pub use invert::{Accuracy, Effort, invert, invert_into};
-pub use model::{Map, Status, pixel_at, pixel_centre};
+pub use model::{Gain, Map, Status, pixel_at, pixel_centre};
 pub use reverse::reversed;
 pub use splat::{Splat, splat};

@@ -62,6 +62,17 @@ impl Map {
     }
 }
 
+/// What is left of each display pixel's light when it reaches the viewpoint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gain {
+    /// Display pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Share of the light that survives, by linear R, G, B; as a map's `uv`: row 0 at the top, NaN where there is no answer.
+    pub rgb: Vec<[f32; 3]>,
+}
+
 /// The st (or uv) coordinates of a pixel's centre: right and up, row 0 at the top.
 pub fn pixel_centre(column: usize, row: usize, width: usize, height: usize) -> [f64; 2] {
     [(column as f64 + 0.5) / width as f64, ((height - row) as f64 - 0.5) / height as f64]

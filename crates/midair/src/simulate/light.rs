@@ -29,6 +29,17 @@ impl Plate {
     }
 }
 
+impl Plate {
+    /// Share of the light along a unit vector in the plate's frame (either way) that forms the mid-air image, by linear
+    /// R, G, B, averaged over the lattice.
+    pub fn real_share(&self, direction: Vec3) -> [f64; 3] {
+        match self {
+            Self::Ideal => [1.0; 3],
+            Self::SlitMirror(plate) => plate.shares(direction).real,
+        }
+    }
+}
+
 impl From<SlitMirrorPlate> for Plate {
     fn from(plate: SlitMirrorPlate) -> Self {
         Self::SlitMirror(Box::new(plate))

@@ -7,6 +7,7 @@
 mod camera;
 mod chart;
 mod film;
+mod gain;
 mod lens;
 mod light;
 mod render;
@@ -17,6 +18,7 @@ pub mod tone;
 pub use camera::Camera;
 pub use chart::{Chart, colour_map, point_spread_chart, shares_chart, viewpoints_chart};
 pub use film::{ErrorEstimate, Layers, Light, Render};
+pub use gain::gain;
 pub use lens::Viewer;
 pub use light::Plate;
 pub use render::{

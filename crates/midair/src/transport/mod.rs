@@ -3,6 +3,7 @@
 #[cfg(test)]
 pub(crate) mod bench_setup;
 mod build;
+mod losses;
 mod path;
 mod setup;
 #[cfg(test)]
@@ -10,6 +11,7 @@ pub(crate) mod tests;
 mod walk;
 
 pub use build::{DESIGN_WAVELENGTH, SetupError};
+pub use losses::Remainder;
 pub use path::{Action, End, Path, Step, on_display};
 pub use setup::{Element, MAX_SOLIDS, Matter, Setup};
 pub use walk::Walk;
