@@ -2,12 +2,23 @@
 
 use crate::failure::Failure;
 use midair::map::format::FileError;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use tempfile::TempDir;
 
 /// Folders to remove if the program is interrupted.
 static STAGING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// What is said if the program is interrupted.
+static FAREWELL: Mutex<Option<&'static str>> = Mutex::new(None);
+
+/// Has an interrupt say something.
+pub fn on_interrupt_say(farewell: &'static str) {
+    if let Ok(mut text) = FAREWELL.lock() {
+        *text = Some(farewell);
+    }
+}
 
 /// On Ctrl-C (and on a request to end) unfinished files are removed before the program ends.
 pub fn clean_up_on_interrupt() {
@@ -18,6 +29,10 @@ pub fn clean_up_on_interrupt() {
             let _ = std::fs::remove_dir_all(&folder);
             // Removes the output folder only while it is empty: made by us, for nothing.
             let _ = folder.parent().map(std::fs::remove_dir);
+        }
+        if let Ok(Some(farewell)) = FAREWELL.lock().map(|text| *text) {
+            // A closed standard error is no reason to stay.
+            let _ = writeln!(std::io::stderr(), "\n{farewell}");
         }
         // What a shell reports for a program ended by an interrupt.
         std::process::exit(130);
