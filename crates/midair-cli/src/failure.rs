@@ -3,6 +3,7 @@
 use midair::evaluate::proof::ProofError;
 use midair::map::format::FileError;
 use midair::media::optimal::OptimalError;
+use midair::media::video::VideoError;
 use midair::scene::SceneError;
 use midair::transport::SetupError;
 
@@ -48,6 +49,20 @@ impl From<FileError> for Failure {
             }
             FileError::Io { .. } => Self::Told { message: error.to_string(), help: None },
         }
+    }
+}
+
+impl From<VideoError> for Failure {
+    fn from(error: VideoError) -> Self {
+        let help = match &error {
+            VideoError::Missing { .. } => "films go through ffmpeg 5.1 or later, ffprobe included",
+            VideoError::Refused { .. } => {
+                "check the file with `ffprobe`; copy or export it again if it is damaged"
+            }
+            VideoError::NoVideo { .. } => "name a film or a picture",
+            VideoError::Pipe { .. } => "check the disk and the installed ffmpeg",
+        };
+        Self::new(error.to_string(), help)
     }
 }
 

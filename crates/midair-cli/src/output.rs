@@ -2,6 +2,7 @@
 
 use crate::failure::Failure;
 use midair::map::format::FileError;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -25,6 +26,16 @@ pub fn stop_on_interrupt() -> &'static AtomicBool {
     &STOP
 }
 
+/// What is said if the program is interrupted.
+static FAREWELL: Mutex<Option<&'static str>> = Mutex::new(None);
+
+/// Has an interrupt say something.
+pub fn on_interrupt_say(farewell: &'static str) {
+    if let Ok(mut text) = FAREWELL.lock() {
+        *text = Some(farewell);
+    }
+}
+
 /// On Ctrl-C (and on a request to end) unfinished files are removed before the program ends.
 pub fn clean_up_on_interrupt() {
     // If no handler can be set an interrupt leaves a hidden folder behind, which harms nobody.
@@ -37,6 +48,10 @@ pub fn clean_up_on_interrupt() {
             let _ = std::fs::remove_dir_all(&folder);
             // Removes the output folder only while it is empty: made by us, for nothing.
             let _ = folder.parent().map(std::fs::remove_dir);
+        }
+        if let Ok(Some(farewell)) = FAREWELL.lock().map(|text| *text) {
+            // A closed standard error is no reason to stay.
+            let _ = writeln!(std::io::stderr(), "\n{farewell}");
         }
         std::process::exit(INTERRUPTED.into());
     });

@@ -1,5 +1,6 @@
 //! The commands, one file each: its arguments and what it does.
 
+mod apply;
 mod check;
 mod compensate;
 mod completions;
@@ -39,6 +40,7 @@ pub struct Program {
 enum Command {
     Demo(demo::Arguments),
     Compensate(compensate::Arguments),
+    Apply(apply::Arguments),
     View(view::Arguments),
     Check(check::Arguments),
     Report(report::Arguments),
@@ -56,6 +58,7 @@ pub fn run(program: Program) -> Result<ExitCode, Failure> {
         Command::View(arguments) => return view::run(&arguments, voice),
         Command::Demo(arguments) => demo::run(&arguments, voice),
         Command::Compensate(arguments) => compensate::run(&arguments, voice),
+        Command::Apply(arguments) => apply::run(&arguments, voice),
         Command::Check(arguments) => check::run(&arguments, voice),
         Command::Report(arguments) => report::run(&arguments, voice),
         Command::Map(arguments) => map::run(&arguments, voice),

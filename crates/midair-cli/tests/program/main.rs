@@ -1,5 +1,6 @@
 //! The program from outside: what it writes, says and refuses.
 
+mod apply;
 mod bad_input;
 mod check;
 mod compensate;
@@ -51,8 +52,8 @@ impl Bench {
 
     /// The JSON that a run that must succeed prints.
     fn json(&self, arguments: &[&str]) -> serde_json::Value {
-        let mut all = arguments.to_vec();
-        all.push("--json");
+        let mut all = vec!["--json"];
+        all.extend(arguments);
         serde_json::from_str(&self.succeed(&all)).unwrap()
     }
 

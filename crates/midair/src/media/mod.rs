@@ -1,17 +1,22 @@
 //! Pictures in linear light, and applying a map to stills and video.
 
 mod brightness;
+mod curve;
 mod interpolate;
 pub mod optimal;
 mod picture;
 mod resample;
+mod sequence;
 pub mod srgb;
 mod still;
+pub mod video;
 mod warp;
 
 pub use crate::map::format::FileError;
 pub use brightness::{Evened, Overflow, even_out};
+pub use curve::Curve;
 pub use picture::Picture;
 pub use resample::display_image;
+pub use sequence::Sequence;
 pub use still::{Depth, Still, decode_still, read_still, write_still};
-pub use warp::{Filter, LinearScratch, Warp, WarpError};
+pub use warp::{DeepScratch, Filter, LinearScratch, Warp, WarpError};

@@ -6,9 +6,12 @@
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
+mod deep;
 mod kernel;
 mod linear;
 mod taps;
+
+pub use deep::DeepScratch;
 
 use crate::map::Map;
 use rayon::prelude::*;
@@ -29,9 +32,9 @@ pub enum Filter {
 /// Why a frame cannot be warped.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum WarpError {
-    /// A frame's bytes are not what its size says.
+    /// A frame's samples are not what its size says.
     #[error(
-        "a frame of {width} x {height} pixels with {channels} channels has {expected} bytes, not {found}"
+        "a frame of {width} x {height} pixels with {channels} channels has {expected} samples, not {found}"
     )]
     FrameSize {
         /// Pixels in a row.
@@ -40,9 +43,9 @@ pub enum WarpError {
         height: usize,
         /// Samples of a pixel.
         channels: usize,
-        /// The bytes that should be there.
+        /// The samples that should be there.
         expected: usize,
-        /// The bytes that are.
+        /// The samples that are.
         found: usize,
     },
     /// Only 3 and 4 channels are known.
@@ -184,11 +187,20 @@ impl Warp {
 pub struct LinearScratch(Vec<[i16; 4]>);
 
 fn check_frame<const C: usize>(width: usize, height: usize, found: usize) -> Result<(), WarpError> {
-    let expected = width * height * C;
+    check_frame_samples(width, height, C, found)
+}
+
+fn check_frame_samples(
+    width: usize,
+    height: usize,
+    channels: usize,
+    found: usize,
+) -> Result<(), WarpError> {
+    let expected = width * height * channels;
     if found == expected {
         Ok(())
     } else {
-        Err(WarpError::FrameSize { width, height, channels: C, expected, found })
+        Err(WarpError::FrameSize { width, height, channels, expected, found })
     }
 }
 

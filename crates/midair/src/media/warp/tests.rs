@@ -1,6 +1,6 @@
 use super::*;
 use crate::map::Status;
-use crate::media::{Picture, display_image, srgb};
+use crate::media::{Curve, Picture, display_image, srgb};
 use proptest::prelude::*;
 
 fn noise(width: usize, height: usize, channels: usize) -> Vec<u8> {
@@ -155,6 +155,49 @@ fn in_linear_light_the_identity_gives_the_frame_back_and_a_mean_is_a_mean_of_lig
 }
 
 #[test]
+fn deep_frames_are_warped_as_stills_are_and_the_identity_gives_them_back() {
+    let codes = |source: [usize; 2]| -> Vec<u16> {
+        let noise = noise(source[0], source[1], 6);
+        let mut frame: Vec<u16> =
+            noise.as_chunks::<2>().0.iter().map(|&b| u16::from_le_bytes(b)).collect();
+        frame[..3].fill(65535);
+        frame
+    };
+    let mut scratch = DeepScratch::default();
+    for filter in [Filter::Bilinear, Filter::Sharp] {
+        for source in [[40, 31], [3, 2], [1, 1]] {
+            let frame = codes(source);
+            let warp = Warp::new(&Map::identity(source[0], source[1]), source, filter).unwrap();
+            let mut back = vec![7; frame.len()];
+            for curve in [Curve::Srgb, Curve::Linear, Curve::Hlg] {
+                warp.apply_deep(&frame, curve, &mut scratch, &mut back).unwrap();
+                assert_eq!(back, frame, "{source:?} {curve:?}");
+            }
+        }
+    }
+    for source in [[150, 130], [40, 31], [3, 2]] {
+        let (map, frame) = (bent_map(64, 50), codes(source));
+        let warp = Warp::new(&map, source, Filter::Sharp).unwrap();
+        let mut result = vec![7; 64 * 50 * 3];
+        warp.apply_deep(&frame, Curve::Srgb, &mut scratch, &mut result).unwrap();
+        let mut picture = Picture::filled(source[0], source[1], [1.0; 4]);
+        for (pixel, code) in picture.pixels.iter_mut().zip(frame.as_chunks::<3>().0) {
+            (0..3).for_each(|c| pixel[c] = srgb::decode_16(code[c]));
+        }
+        let still = display_image(&picture, &map);
+        for (i, pixel) in still.pixels.iter().enumerate() {
+            for c in 0..3 {
+                let (ours, ideal) = (srgb::decode_16(result[3 * i + c]), pixel[c]);
+                // The 1/1024 px of a tap's fraction: up to 2 * 1.25 / 2048 of white.
+                assert!((ours - ideal).abs() < 0.0013, "{source:?} {i}: {ours} {ideal}");
+            }
+        }
+    }
+    let warp = Warp::new(&Map::identity(2, 2), [2, 2], Filter::Sharp).unwrap();
+    assert!(warp.apply_deep(&[0; 5], Curve::Pq, &mut scratch, &mut [0; 12]).is_err());
+}
+
+#[test]
 fn a_constant_frame_stays_constant() {
     for code in [0u8, 1, 127, 254, 255] {
         for filter in [Filter::Bilinear, Filter::Sharp] {
@@ -207,7 +250,7 @@ fn frames_of_the_wrong_size_are_refused() {
     let warp = Warp::new(&Map::identity(4, 4), [8, 8], Filter::Bilinear).unwrap();
     let mut output = vec![0; 48];
     let error = warp.apply(&[0; 10], 3, &mut output).unwrap_err();
-    assert!(error.to_string().contains("192 bytes, not 10"), "{error}");
+    assert!(error.to_string().contains("192 samples, not 10"), "{error}");
     assert_eq!(warp.apply(&[0; 64], 1, &mut output), Err(WarpError::Channels(1)));
     assert!(warp.apply(&[0; 192], 3, &mut output[1..]).is_err());
     assert!(Warp::new(&Map::identity(4, 4), [0, 8], Filter::Sharp).is_err());

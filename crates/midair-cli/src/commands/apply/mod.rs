@@ -1,0 +1,152 @@
+//! `midair apply`: a map on stills, films and numbered stills.
+
+mod film;
+mod parts;
+mod stills;
+
+use crate::arguments::{Size, map_formats};
+use crate::failure::Failure;
+use crate::summary::Voice;
+use clap::ValueEnum;
+use midair::map::Map;
+use midair::map::format::{Format, read_map};
+use midair::media::{Filter, Sequence};
+use std::path::{Path, PathBuf};
+
+/// Apply a map to a still, a film or numbered stills: what the display must show
+///
+/// Films go through ffmpeg, frame by frame with their times; sound, chapters and descriptions are taken over as they are. Colours are averaged in linear
+/// light. A film is made in pieces: if it is interrupted, the same command with --resume goes on.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  midair apply out/map.exr photo.jpg display.png\n  \
+    midair apply out/map.exr film.mp4 display.mp4\n  \
+    midair apply out/map.exr film.mov display.mov -- -c:v prores_ks -profile:v 3\n  \
+    midair apply out/map.exr frames/%04d.png shown/%04d.png\n  \
+    midair apply out/map.exr frames/%04d.exr display.mp4 --rate 30")]
+pub struct Arguments {
+    /// The map
+    map: PathBuf,
+    /// What the mid-air image is to show: a picture (PNG, JPEG, OpenEXR), a film (whatever ffmpeg reads), or numbered pictures
+    /// (frames/%04d.png)
+    #[arg(value_name = "IN")]
+    input: PathBuf,
+    /// What to write: a picture, a film, or numbered pictures
+    #[arg(value_name = "OUT")]
+    output: PathBuf,
+    /// Kind of the map, where its name does not tell
+    #[arg(long, value_name = "KIND", value_parser = map_formats())]
+    from: Option<Format>,
+    /// Pixels of the picture that an ffmpeg or opencv map was made for [default: those of IN]
+    #[arg(long, value_name = "WxH")]
+    source: Option<Size>,
+    /// How pixels are made of a film's frames; pictures are always done sharply
+    #[arg(long, value_enum, default_value_t)]
+    filter: FilterName,
+    /// Frames a second of a film made of numbered pictures
+    #[arg(long, value_name = "R", default_value = "25", value_parser = crate::arguments::positive)]
+    rate: f64,
+    /// Go on where an interrupted run of the same command stopped
+    #[arg(long)]
+    resume: bool,
+    /// Take a damaged or cut film as far as it goes
+    #[arg(long)]
+    keep_going: bool,
+    /// Leave sound and subtitles out
+    #[arg(long)]
+    no_audio: bool,
+    /// Frames in a piece: what an interruption costs at most
+    #[arg(long, value_name = "N", default_value = "250", value_parser = clap::value_parser!(u32).range(1..))]
+    piece: u32,
+    /// ffmpeg's options for its encoder, after --
+    #[arg(last = true, value_name = "FFMPEG OPTIONS", allow_hyphen_values = true)]
+    encoder: Vec<String>,
+}
+
+/// How pixels are made of frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum FilterName {
+    /// Averaged where the map shrinks, Catmull-Rom where it enlarges
+    #[default]
+    Sharp,
+    /// Bilinear: the fastest
+    Bilinear,
+}
+
+impl Arguments {
+    fn filter(&self) -> Filter {
+        match self.filter {
+            FilterName::Sharp => Filter::Sharp,
+            FilterName::Bilinear => Filter::Bilinear,
+        }
+    }
+
+    /// The map for pictures of `size` pixels, and what is to be said of it.
+    fn read_map(&self, size: [usize; 2]) -> Result<(Map, Vec<String>), Failure> {
+        let size = self.source.map_or(size, |Size(size)| size);
+        let loaded = read_map(&self.map, self.from, Some(size))?;
+        let mut map = loaded.map;
+        // What a map says beyond its covered region is for tools that interpolate; the display stays dark there.
+        for (uv, status) in map.uv.iter_mut().zip(&map.status) {
+            if *status as u8 > 1 {
+                *uv = [f64::NAN; 2];
+            }
+        }
+        Ok((map, loaded.notes))
+    }
+}
+
+/// What a path is, by its name.
+#[derive(Clone, Debug, PartialEq)]
+enum Kind {
+    Still,
+    Stills(Sequence),
+    Film,
+}
+
+impl Kind {
+    fn of(path: &Path) -> Self {
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
+        let still =
+            ["png", "jpg", "jpeg", "exr"].iter().any(|known| extension.eq_ignore_ascii_case(known));
+        match Sequence::of_path(path) {
+            Some(sequence) if still && !path.exists() => Self::Stills(sequence),
+            _ if still => Self::Still,
+            _ => Self::Film,
+        }
+    }
+}
+
+pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
+    let mismatch = |made: &str, instead: &str| {
+        let message = format!("{}: {made}", arguments.output.display());
+        Err(Failure::new(message, instead))
+    };
+    if arguments.input == arguments.output {
+        return mismatch("this is the input as well", "give the output another name");
+    }
+    match (Kind::of(&arguments.input), Kind::of(&arguments.output)) {
+        (Kind::Still, Kind::Still) => stills::one(arguments, voice),
+        (Kind::Still, _) => mismatch("one picture makes one picture", "name a .png or .exr file"),
+        (Kind::Stills(from), Kind::Stills(to)) => stills::each(arguments, &from, &to, voice),
+        (Kind::Stills(from), Kind::Film) => film::of_stills(arguments, &from, voice),
+        (Kind::Film, Kind::Film) => film::of_film(arguments, voice),
+        (Kind::Film, Kind::Stills(to)) => film::into_stills(arguments, &to, voice),
+        (_, Kind::Still) => mismatch(
+            "a film or numbered pictures make more than one picture",
+            "name a film, or numbered pictures such as shown/%04d.png",
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kinds_are_told_by_names() {
+        assert_eq!(Kind::of("a/b.JPG".as_ref()), Kind::Still);
+        assert!(matches!(Kind::of("a/%03d.exr".as_ref()), Kind::Stills(_)));
+        assert_eq!(Kind::of("a/b.mkv".as_ref()), Kind::Film);
+        assert_eq!(Kind::of("a/b%d.mkv".as_ref()), Kind::Film);
+    }
+}

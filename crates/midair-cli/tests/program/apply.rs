@@ -1,0 +1,370 @@
+//! `midair apply`, with the real ffmpeg; where that is missing, films are skipped with a note.
+
+use super::{Bench, waves};
+use midair::map::format::{Format, write_map};
+use midair::map::{Map, Status};
+use midair::media::video::{Decoder, probe};
+use midair::media::{Depth, display_image, read_still, srgb, write_still};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+fn no_ffmpeg() -> bool {
+    let missing = Command::new("ffmpeg").arg("-version").output().is_err();
+    if missing {
+        println!("skipped: no ffmpeg");
+    }
+    missing
+}
+
+fn ffmpeg(bench: &Bench, arguments: &str) {
+    let output = Command::new("ffmpeg")
+        .args(["-v", "error", "-y"])
+        .args(arguments.split(' '))
+        .current_dir(bench.folder.path())
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+/// Upside down and mirrored, with a hole at the left.
+fn turned(width: usize, height: usize) -> Map {
+    let mut map = Map::identity(width, height);
+    for (i, uv) in map.uv.iter_mut().enumerate() {
+        *uv = [1.0 - uv[0], 1.0 - uv[1]];
+        if i % width < 6 {
+            (*uv, map.status[i]) = ([f64::NAN; 2], Status::Outside);
+        }
+    }
+    map
+}
+
+fn save(bench: &Bench, map: &Map) {
+    write_map(map, [64, 48], Format::Exr, &bench.path("map.exr")).unwrap();
+}
+
+/// Every frame of a film, as 8-bit RGB, with its time in seconds.
+fn frames(bench: &Bench, name: &str) -> Vec<(f64, Vec<u8>)> {
+    let film = probe(&bench.path(name)).unwrap();
+    let mut decoder = Decoder::new(&film, false).unwrap();
+    let (mut frames, mut frame) = (Vec::new(), Vec::new());
+    while let Some(timing) = decoder.next(&mut frame).unwrap() {
+        frames.push((timing.seconds(), frame.clone()));
+    }
+    frames
+}
+
+fn said_by_ffprobe(bench: &Bench, name: &str, entries: &str) -> String {
+    let output = Command::new("ffprobe")
+        .args(["-v", "error", "-of", "csv=p=0", "-show_entries", entries, name])
+        .current_dir(bench.folder.path())
+        .output()
+        .unwrap();
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+fn a_still_is_what_compensate_would_show() {
+    let bench = Bench::new();
+    let map = turned(64, 48);
+    save(&bench, &map);
+    for (depth, name) in
+        [(Depth::Eight, "p.png"), (Depth::Sixteen, "q.png"), (Depth::Float, "r.exr")]
+    {
+        write_still(&bench.path(name), &waves(64, 48), depth).unwrap();
+        bench.succeed(&["apply", "map.exr", name, "shown.png"]);
+        let shown = read_still(&bench.path("shown.png")).unwrap();
+        assert_eq!(shown.depth, if depth == Depth::Eight { Depth::Eight } else { Depth::Sixteen });
+        let given = read_still(&bench.path(name)).unwrap().picture;
+        let expected = display_image(&given, &map);
+        for (a, b) in shown.picture.pixels.iter().zip(&expected.pixels) {
+            for c in 0..3 {
+                // Half a code of 8 bits, at the curve's steepest in light: 1/255/2 * 2.3.
+                assert!((a[c] - b[c]).abs() < 0.005);
+            }
+        }
+    }
+    bench.succeed(&["apply", "map.exr", "r.exr", "shown.exr"]);
+    assert_eq!(read_still(&bench.path("shown.exr")).unwrap().depth, Depth::Float);
+}
+
+#[test]
+fn numbered_stills_are_done_one_by_one_and_gone_on_with() {
+    let bench = Bench::new();
+    save(&bench, &turned(64, 48));
+    std::fs::create_dir(bench.path("in")).unwrap();
+    for number in [3, 4, 7] {
+        write_still(&bench.path(&format!("in/{number:03}.png")), &waves(64, 48), Depth::Eight)
+            .unwrap();
+    }
+    bench.succeed(&["apply", "map.exr", "in/%03d.png", "out/f%02d.png"]);
+    assert_eq!(bench.names("out"), ["f03.png", "f04.png", "f07.png"]);
+    let said = bench.refuse(&["apply", "map.exr", "in/%03d.png", "out/f%02d.png", "--resume"]);
+    assert!(said.contains("nothing to go on with"), "{said}");
+    // A broken picture stops the work; mended, it is gone on with.
+    bench.write("in/005.png", b"broken");
+    let said = bench.refuse(&["apply", "map.exr", "in/%03d.png", "more/f%02d.png"]);
+    assert!(said.contains("005.png"), "{said}");
+    let before = std::fs::metadata(bench.path("more/f03.png")).unwrap().modified().unwrap();
+    write_still(&bench.path("in/005.png"), &waves(64, 48), Depth::Eight).unwrap();
+    let told = bench.json(&["apply", "map.exr", "in/%03d.png", "more/f%02d.png", "--resume"]);
+    assert_eq!((&told["frames"], &told["resumed_frames"]), (&4.into(), &2.into()));
+    assert_eq!(bench.names("more"), ["f03.png", "f04.png", "f05.png", "f07.png"]);
+    assert_eq!(std::fs::metadata(bench.path("more/f03.png")).unwrap().modified().unwrap(), before);
+}
+
+#[test]
+fn a_film_keeps_its_sound_its_times_and_its_colours() {
+    if no_ffmpeg() {
+        return;
+    }
+    let bench = Bench::new();
+    let map = turned(64, 48);
+    save(&bench, &map);
+    // Uneven times and a sound that begins with the picture; lossless, so that the warp is all that happens to it.
+    ffmpeg(
+        &bench,
+        "-f lavfi -i testsrc2=size=64x48:rate=25:duration=2 -f lavfi -i sine=frequency=440:duration=2 \
+         -vf select=not(eq(mod(n\\,5)\\,2)) -fps_mode vfr -c:v ffv1 -pix_fmt gbrp -c:a aac -metadata title=Waves in.mkv",
+    );
+    let told = bench.json(&[
+        "apply", "map.exr", "in.mkv", "out.mkv", "--piece", "7", "--", "-c:v", "ffv1", "-pix_fmt",
+        "gbrp",
+    ]);
+    assert_eq!(told["frames"], 40);
+    let (given, shown) = (frames(&bench, "in.mkv"), frames(&bench, "out.mkv"));
+    assert_eq!((given.len(), shown.len()), (40, 40));
+    for ((time, frame), (shown_time, shown)) in given.iter().zip(&shown) {
+        // Matroska counts milliseconds; pieces of 7 frames are set end to end.
+        assert!((time - shown_time).abs() < 1.1e-3, "{time} {shown_time}");
+        for i in 0..64 * 48 {
+            // Turned by half a turn, pixel on pixel.
+            let from = 64 * 48 - 1 - i;
+            for c in 0..3 {
+                let expected = if i % 64 < 6 { 0 } else { frame[3 * from + c] };
+                assert!(shown[3 * i + c].abs_diff(expected) <= 1, "{i} {c}");
+            }
+        }
+    }
+    // Sound is not coded again: the same packets.
+    let packets = |name| {
+        let text = said_by_ffprobe(&bench, name, "packet=size,codec_type");
+        text.lines().filter(|line| line.contains("audio")).map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert!(packets("in.mkv").len() > 50);
+    assert_eq!(packets("in.mkv"), packets("out.mkv"));
+    assert!(said_by_ffprobe(&bench, "out.mkv", "format_tags=title").contains("Waves"));
+    assert!(bench.names(".").iter().all(|name| !name.contains("pieces")));
+    bench.succeed(&["apply", "map.exr", "in.mkv", "silent.mp4", "--no-audio"]);
+    assert!(!said_by_ffprobe(&bench, "silent.mp4", "stream=codec_type").contains("audio"));
+}
+
+#[test]
+fn means_are_means_of_light_at_8_and_at_10_bits() {
+    if no_ffmpeg() {
+        return;
+    }
+    let bench = Bench::new();
+    // Columns of black and white, seen half-way between them: half the light, which is code 188, not 128.
+    let mut map = Map::identity(64, 48);
+    for (i, uv) in map.uv.iter_mut().enumerate() {
+        uv[0] = ((i % 64) as f64 + 1.0).min(63.5) / 64.0;
+    }
+    save(&bench, &map);
+    for (name, coder) in [
+        ("eight.mkv", "-c:v ffv1 -pix_fmt gbrp"),
+        ("ten.mkv", "-c:v ffv1 -pix_fmt gbrp10le"),
+        ("ten.mp4", "-c:v libx265 -x265-params lossless=1:log-level=none -pix_fmt yuv444p10le"),
+    ] {
+        ffmpeg(
+            &bench,
+            &format!(
+                "-f lavfi -i color=black:size=64x48:rate=5:duration=1 -vf format=gbrp,geq=r=mod(X\\,2)*255:g=mod(X\\,2)*255:b=mod(X\\,2)*255 {coder} {name}"
+            ),
+        );
+        let out = format!("out-{name}");
+        let mut arguments = vec!["apply", "map.exr", name, &out, "--filter", "bilinear", "--"];
+        arguments.extend(coder.split(' '));
+        bench.succeed(&arguments);
+        assert_eq!(probe(&bench.path(&out)).unwrap().deep, name.starts_with("ten"), "{name}");
+        for (_, frame) in frames(&bench, &out) {
+            for (i, pixel) in
+                frame.as_chunks::<3>().0.iter().enumerate().filter(|(i, _)| i % 64 < 62)
+            {
+                // 10 bits and YUV round once more.
+                assert!(
+                    pixel.iter().all(|&code| code.abs_diff(srgb::encode_8(0.5)) <= 1),
+                    "{name} {i}: {pixel:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_killed_run_leaves_no_film_and_is_gone_on_with() {
+    if no_ffmpeg() {
+        return;
+    }
+    let bench = Bench::new();
+    save(&bench, &turned(64, 48));
+    ffmpeg(
+        &bench,
+        "-f lavfi -i testsrc2=size=320x240:rate=30:duration=6 -c:v libx264 -preset ultrafast in.mp4",
+    );
+    let arguments = ["apply", "map.exr", "in.mp4", "out.mp4", "--piece", "10"];
+    let mut run =
+        bench.command(&arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    // Until the second piece is complete.
+    let piece = bench.path(".out.mp4.midair-pieces/000001.json");
+    let start = Instant::now();
+    while !piece.exists() && start.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    run.kill().unwrap();
+    run.wait().unwrap();
+    assert!(piece.exists() && !bench.path("out.mp4").exists());
+    // Other work is not gone on with.
+    let said =
+        bench.refuse(&["apply", "map.exr", "in.mp4", "out.mp4", "--piece", "30", "--resume"]);
+    assert!(said.contains("other work"), "{said}");
+    let told = bench.json(&["apply", "map.exr", "in.mp4", "out.mp4", "--piece", "10", "--resume"]);
+    assert_eq!(told["frames"], 180);
+    assert!(told["resumed_frames"].as_u64().unwrap() >= 20);
+    bench.succeed(&["apply", "map.exr", "in.mp4", "whole.mp4", "--piece", "10"]);
+    let (resumed, whole) = (frames(&bench, "out.mp4"), frames(&bench, "whole.mp4"));
+    assert_eq!(resumed.len(), 180);
+    // To the bit: the pieces are the same.
+    assert!(resumed == whole);
+    let given = frames(&bench, "in.mp4");
+    for ((time, _), (shown, _)) in given.iter().zip(&whole) {
+        // MP4 counts in the film's own units of 1/15360 s.
+        assert!((time - shown).abs() < 1e-4, "{time} {shown}");
+    }
+    assert!(bench.names(".").iter().all(|name| !name.contains("pieces")));
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_says_how_to_go_on() {
+    if no_ffmpeg() {
+        return;
+    }
+    let bench = Bench::new();
+    save(&bench, &turned(64, 48));
+    ffmpeg(
+        &bench,
+        "-f lavfi -i testsrc2=size=320x240:rate=30:duration=20 -c:v libx264 -preset ultrafast in.mp4",
+    );
+    let arguments = ["apply", "map.exr", "in.mp4", "out.mp4", "--piece", "10"];
+    let run =
+        bench.command(&arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let piece = bench.path(".out.mp4.midair-pieces/000000.json");
+    let start = Instant::now();
+    while !piece.exists() && start.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let id = run.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    let output = run.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("--resume"));
+    assert!(!bench.path("out.mp4").exists() && piece.exists());
+}
+
+#[test]
+fn cut_damaged_and_missing_films_are_told() {
+    if no_ffmpeg() {
+        return;
+    }
+    let bench = Bench::new();
+    save(&bench, &turned(64, 48));
+    ffmpeg(
+        &bench,
+        "-f lavfi -i testsrc2=size=64x48:rate=25:duration=8 -c:v libx264 -movflags +faststart in.mp4",
+    );
+    let bytes = std::fs::read(bench.path("in.mp4")).unwrap();
+    bench.write("cut.mp4", &bytes[..bytes.len() / 2]);
+    let said = bench.refuse(&["apply", "map.exr", "cut.mp4", "out.mp4"]);
+    assert!(
+        said.contains("ends early") && said.contains("of 200") && said.contains("--keep-going"),
+        "{said}"
+    );
+    assert!(!bench.path("out.mp4").exists());
+    let told = bench.json(&["apply", "map.exr", "cut.mp4", "out.mp4", "--keep-going"]);
+    let count = told["frames"].as_u64().unwrap();
+    assert!((20..200).contains(&count), "{count}");
+    assert_eq!(frames(&bench, "out.mp4").len() as u64, count);
+    // Matroska does not count its frames, but tells how long it is.
+    ffmpeg(&bench, "-i in.mp4 -c copy in.mkv");
+    let bytes = std::fs::read(bench.path("in.mkv")).unwrap();
+    bench.write("cut.mkv", &bytes[..bytes.len() / 2]);
+    let said = bench.refuse(&["apply", "map.exr", "cut.mkv", "out.mkv"]);
+    assert!(said.contains("ends early") && said.contains("of 8.0 s"), "{said}");
+    bench.succeed(&["apply", "map.exr", "in.mkv", "out.mkv"]);
+    // Without its index nothing can be read at all.
+    bench.write("headless.mp4", &bytes[200..]);
+    let said = bench.refuse(&["apply", "map.exr", "headless.mp4", "o.mp4"]);
+    assert!(said.contains("headless.mp4"), "{said}");
+    let said = bench.refuse(&["apply", "map.exr", "none.mp4", "o.mp4"]);
+    assert!(said.contains("no such file"), "{said}");
+    let said = bench.refuse(&["apply", "map.exr", "in.mp4", "o.mp4", "--", "-c:v", "nonsense"]);
+    assert!(said.contains("nonsense"), "{said}");
+    let said = bench.refuse(&["apply", "map.exr", "in.mp4", "no/o.mp4"]);
+    assert!(said.contains("no/o.mp4"), "{said}");
+    let said = bench.refuse(&["apply", "map.exr", "in.mp4", "in.mp4"]);
+    assert!(said.contains("another name"), "{said}");
+    let said = bench.refuse(&["apply", "map.exr", "in.mp4", "o.png"]);
+    assert!(said.contains("%04d"), "{said}");
+    // Without ffmpeg: how to get it.
+    let output = bench
+        .command(&["apply", "map.exr", "in.mp4", "o.mp4"])
+        .env("PATH", "/nowhere")
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(said.contains("not installed") && said.contains("install"), "{said}");
+    assert!(!bench.path("o.mp4").exists());
+}
+
+#[test]
+fn films_are_made_of_pictures_and_pictures_of_films() {
+    if no_ffmpeg() {
+        return;
+    }
+    let bench = Bench::new();
+    save(&bench, &Map::identity(64, 48));
+    std::fs::create_dir(bench.path("in")).unwrap();
+    for number in 0..5 {
+        let mut picture = waves(64, 48);
+        picture.pixels.rotate_left(number * 7);
+        write_still(&bench.path(&format!("in/{number:03}.png")), &picture, Depth::Eight).unwrap();
+    }
+    bench.succeed(&[
+        "apply",
+        "map.exr",
+        "in/%03d.png",
+        "film.mkv",
+        "--rate",
+        "12.5",
+        "--",
+        "-c:v",
+        "ffv1",
+        "-pix_fmt",
+        "gbrp",
+    ]);
+    let times: Vec<f64> = frames(&bench, "film.mkv").iter().map(|(time, _)| *time).collect();
+    assert_eq!(times.len(), 5);
+    assert!(
+        times.iter().enumerate().all(|(i, time)| (time - 0.08 * i as f64).abs() < 1.1e-3),
+        "{times:?}"
+    );
+    bench.succeed(&["apply", "map.exr", "film.mkv", "back/%03d.png"]);
+    assert_eq!(bench.names("back"), ["001.png", "002.png", "003.png", "004.png", "005.png"]);
+    for number in 0..5 {
+        // The identity and a lossless codec: the codes themselves.
+        let given = read_still(&bench.path(&format!("in/{number:03}.png"))).unwrap().picture;
+        let back = read_still(&bench.path(&format!("back/{:03}.png", number + 1))).unwrap().picture;
+        assert!(given.pixels == back.pixels, "{number}");
+    }
+}
