@@ -79,7 +79,7 @@ pub fn write_proof(
     let page = facts.page()?;
     write_pictures(&mut output, still, &proof)?;
     let source = view_size(&setup, still.picture.width);
-    let more = write_maps(&mut output, &proof.map, "map", source, &[Format::Exr])?;
+    let more = write_maps(&mut output, &proof.map, None, "map", source, &[Format::Exr])?;
     write_report(&mut output, &report)?;
     output.write("report.html", |path| write_bytes_atomically(path, page.as_bytes()))?;
     let files = output.finish()?;

@@ -26,8 +26,6 @@ pub struct Evened {
     pub level: f64,
     /// Share of the image's samples (pixels times colours) that the display's white was not bright enough for.
     pub clipped: f64,
-    /// Share that the display's black was not dark enough for.
-    pub too_dark: f64,
 }
 
 /// Where `Overflow::Soft` begins.
@@ -35,10 +33,7 @@ const KNEE: f64 = 0.8;
 
 /// Divides the gain out of a display image, so that the mid-air image shows the picture with one brightness all over: the viewer sees
 /// `level` times the picture. Linear light; alpha is kept, and pixels without an answer stay.
-///
-/// `black` is what the display still emits where it is to be dark, as a share of its white, by R, G, B: it is taken off, so that light
-/// adds up to what is asked for; below it nothing can be done.
-pub fn even_out(display: &Picture, gain: &Gain, black: [f64; 3], overflow: Overflow) -> Evened {
+pub fn even_out(display: &Picture, gain: &Gain, overflow: Overflow) -> Evened {
     let answered = || {
         display.pixels.iter().zip(&gain.rgb).filter(|(_, gain)| gain.iter().all(|g| g.is_finite()))
     };
@@ -62,7 +57,7 @@ pub fn even_out(display: &Picture, gain: &Gain, black: [f64; 3], overflow: Overf
     };
     // Nothing lit: any level will do.
     let level = if level.is_finite() { level } else { 1.0 };
-    let (mut clipped, mut too_dark, mut samples) = (0usize, 0usize, 0usize);
+    let (mut clipped, mut samples) = (0usize, 0usize);
     let pixels = display
         .pixels
         .iter()
@@ -79,22 +74,19 @@ pub fn even_out(display: &Picture, gain: &Gain, black: [f64; 3], overflow: Overf
                 let emitted = if wanted > 0.0 { wanted / f64::from(gain[c]) } else { 0.0 };
                 // Rounding of the level's own pixel is no clipping.
                 clipped += usize::from(emitted > 1.0 + 1e-6);
-                too_dark += usize::from(emitted < black[c]);
                 let emitted = match overflow {
                     Overflow::Soft if emitted > KNEE => roll_off(emitted),
                     _ => emitted,
                 };
-                out[c] = ((emitted - black[c]) / (1.0 - black[c])).clamp(0.0, 1.0) as f32;
+                out[c] = emitted.min(1.0) as f32;
             }
             out
         })
         .collect();
-    let share = |n: usize| n as f64 / samples.max(1) as f64;
     Evened {
         display: Picture { width: display.width, height: display.height, pixels },
         level,
-        clipped: share(clipped),
-        too_dark: share(too_dark),
+        clipped: clipped as f64 / samples.max(1) as f64,
     }
 }
 
@@ -117,28 +109,20 @@ mod tests {
         Picture { width: values.len(), height: 1, pixels }
     }
 
-    /// What the viewer sees of a display image.
-    fn seen(evened: &Evened, gain: &Gain, black: f64) -> Vec<f64> {
-        let light = |v: f32| black + (1.0 - black) * f64::from(v);
-        let pairs = evened.display.pixels.iter().zip(&gain.rgb);
-        pairs.map(|(p, g)| light(p[1]) * f64::from(g[1])).collect()
-    }
-
     #[test]
     fn fitted_the_image_is_even_and_as_bright_as_can_be() {
         let gain = gain(vec![[0.9, 0.8, 0.9], [0.5, 0.4, 0.5], [0.7, 0.6, 0.7], [f32::NAN; 3]]);
         let picture = grey(&[1.0, 1.0, 0.5, 0.25]);
-        for black in [0.0, 0.01] {
-            let evened = even_out(&picture, &gain, [black; 3], Overflow::Fit);
-            assert!((evened.level - 0.4).abs() < 1e-7);
-            assert_eq!((evened.clipped, evened.too_dark), (0.0, 0.0));
-            let seen = seen(&evened, &gain, black);
-            for (seen, wanted) in seen.iter().zip([0.4, 0.4, 0.2]) {
-                // Single precision.
-                assert!((seen - wanted).abs() < 1e-6, "{seen:?}");
-            }
-            assert_eq!(evened.display.pixels[3], picture.pixels[3]);
+        let evened = even_out(&picture, &gain, Overflow::Fit);
+        assert!((evened.level - 0.4).abs() < 1e-7);
+        assert_eq!(evened.clipped, 0.0);
+        let pairs = evened.display.pixels.iter().zip(&gain.rgb);
+        let seen = pairs.map(|(p, g)| f64::from(p[1] * g[1]));
+        for (seen, wanted) in seen.zip([0.4, 0.4, 0.2]) {
+            // Single precision.
+            assert!((seen - wanted).abs() < 1e-6, "{seen:?}");
         }
+        assert_eq!(evened.display.pixels[3], picture.pixels[3]);
     }
 
     #[test]
@@ -146,20 +130,16 @@ mod tests {
         let mut rgb = vec![[0.8f32; 3]; 20];
         rgb[0] = [0.1; 3];
         let gain = gain(rgb);
-        let evened = even_out(&grey(&[1.0; 20]), &gain, [0.0; 3], Overflow::Clip);
+        let evened = even_out(&grey(&[1.0; 20]), &gain, Overflow::Clip);
         assert!((evened.level - 0.8).abs() < 1e-7);
         assert!((evened.clipped - 0.05).abs() < 1e-12);
         assert_eq!(evened.display.pixels[0][0], 1.0);
-        let dark = even_out(&grey(&[0.001; 20]), &gain, [0.01; 3], Overflow::Clip);
-        // The first pixel needs 0.008, the others 0.001: the display's black gives more.
-        assert_eq!(dark.too_dark, 1.0);
-        assert!(dark.display.pixels.iter().all(|p| p[0] == 0.0));
     }
 
     #[test]
     fn a_soft_shoulder_keeps_order_and_never_clips() {
         let gain = gain((1..=40).map(|i| [0.02 * i as f32; 3]).collect());
-        let evened = even_out(&grey(&[0.9; 40]), &gain, [0.0; 3], Overflow::Soft);
+        let evened = even_out(&grey(&[0.9; 40]), &gain, Overflow::Soft);
         let shown: Vec<f32> = evened.display.pixels.iter().map(|p| p[0]).collect();
         assert!(shown.windows(2).all(|w| w[0] >= w[1]) && shown[0] <= 1.0, "{shown:?}");
         // Below the knee nothing is changed.
@@ -170,8 +150,7 @@ mod tests {
 
     #[test]
     fn without_light_nothing_is_divided_by() {
-        let evened =
-            even_out(&grey(&[0.0, 0.0]), &gain(vec![[0.0; 3]; 2]), [0.0; 3], Overflow::Fit);
+        let evened = even_out(&grey(&[0.0, 0.0]), &gain(vec![[0.0; 3]; 2]), Overflow::Fit);
         assert!(evened.display.pixels.iter().all(|p| p.iter().all(|v| v.is_finite())));
     }
 }

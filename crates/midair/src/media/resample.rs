@@ -35,6 +35,20 @@ pub fn display_image(picture: &Picture, map: &Map) -> Picture {
     Picture { width: map.width, height: map.height, pixels }
 }
 
+/// As [`display_image`], each of red, green and blue through its own map: the maps of the display's colours where indices
+/// depend on the wavelength. A pixel is as opaque as its most opaque colour.
+pub fn display_image_by_colour(picture: &Picture, maps: [&Map; 3]) -> Picture {
+    let mut drawn = display_image(picture, maps[0]);
+    for (c, map) in maps.into_iter().enumerate().skip(1) {
+        let other = display_image(picture, map);
+        for (pixel, other) in drawn.pixels.iter_mut().zip(other.pixels) {
+            pixel[c] = other[c];
+            pixel[3] = pixel[3].max(other[3]);
+        }
+    }
+    drawn
+}
+
 /// What a display pixel covers of the picture, in the picture's pixels (x right, y down, 0 at the first
 /// pixel's centre): a parallelogram about a point, and how many samples to average along its sides.
 #[derive(Clone, Copy, Debug)]

@@ -6,3 +6,5 @@
 pub mod glass;
 pub mod interface;
 pub mod plate;
+pub mod screen;
+pub mod srgb;

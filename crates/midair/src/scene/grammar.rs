@@ -305,6 +305,41 @@ static DISPLAY: Block = block(
             Need::Optional,
             "Width and height; left out: the image's.",
         ),
+        optional(
+            "wavelengths",
+            Kind::Numbers(3, 380.0, 780.0),
+            Some("nm"),
+            Need::Numbers(&[611.0, 549.0, 465.0]),
+            "What stands for its red, green and blue where an index depends on the wavelength.",
+        ),
+        optional(
+            "gamma",
+            Kind::Number(0.2, 10.0),
+            None,
+            Need::Optional,
+            "Its light is its code to this power; left out: sRGB's curve, or what `response` says.",
+        ),
+        optional(
+            "response",
+            Kind::File,
+            None,
+            Need::Optional,
+            "Its light by code as measured: a CSV file (code,light or code,red,green,blue), relative to the scene file.",
+        ),
+        optional(
+            "black",
+            Kind::Colour(0.0, 0.5),
+            None,
+            Need::Optional,
+            "Light that it emits where it is to be dark, as a share of its white; left out: as measured, else none.",
+        ),
+        optional(
+            "bits",
+            Kind::Integer(1, 16),
+            None,
+            Need::Optional,
+            "Bits of one colour's code; left out: as the picture file has them.",
+        ),
     ],
 );
 

@@ -1,9 +1,10 @@
 //! Reading a scene file with the files that it names.
 
 use super::error::{SceneError, SceneText};
-use super::model::{HeightSource, Material, Normals, Scene, Shape};
+use super::model::{HeightSource, Material, Normals, ResponseSource, Scene, Shape};
 use super::{Format, heights, parse_with_places, sense};
 use crate::geometry::mesh::{self, Surface, TriangleMesh};
+use crate::optics::screen::{Response, ResponseTable, Screen};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -27,6 +28,8 @@ pub struct Loaded {
     pub scene: Scene,
     /// For each element what its file holds.
     pub assets: Vec<Asset>,
+    /// How the display's codes become light.
+    pub screen: Screen,
     /// The scene file's text, for messages that show a line of it.
     pub text: SceneText,
     /// The folder that the scene's files are relative to.
@@ -123,8 +126,28 @@ pub fn with_files(scene: Scene, text: SceneText, folder: PathBuf) -> Result<Load
             _ => Asset::None,
         });
     }
+    let screen = screen(&scene, &text, &folder)?;
     match SceneError::gathered(sense::faults(&scene, &text, &assets)) {
         Some(error) => Err(error),
-        None => Ok(Loaded { scene, assets, text, folder, notes }),
+        None => Ok(Loaded { scene, assets, screen, text, folder, notes }),
     }
+}
+
+/// The display's response, with the file that it may name.
+fn screen(scene: &Scene, text: &SceneText, folder: &Path) -> Result<Screen, SceneError> {
+    let display = &scene.display;
+    let mut measured = [0.0; 3];
+    let response = match &display.response {
+        ResponseSource::Srgb => Response::Srgb,
+        ResponseSource::Gamma(gamma) => Response::Gamma(*gamma),
+        ResponseSource::File(file) => {
+            let table = ResponseTable::read(&folder.join(file)).map_err(|e| {
+                let help = "give a CSV file with a header code,light or code,red,green,blue";
+                text.error_at("display.response", e.to_string(), help)
+            })?;
+            measured = table.black();
+            Response::Measured(Box::new(table))
+        }
+    };
+    Ok(Screen { response, black: display.black.unwrap_or(measured), bits: display.bits })
 }

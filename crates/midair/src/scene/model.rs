@@ -43,6 +43,16 @@ pub struct Scene {
     pub elements: Vec<Element>,
 }
 
+impl Scene {
+    /// Whether the index of any element depends on the wavelength.
+    pub fn disperses(&self) -> bool {
+        self.elements.iter().any(|element| match &element.material {
+            Material::Refractive { index, .. } => !matches!(index, Index::Constant(_)),
+            Material::Mirror { .. } => false,
+        })
+    }
+}
+
 /// The micro-mirror array plate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plate {
@@ -62,7 +72,7 @@ pub enum PlateModel {
 }
 
 /// The light source.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Display {
     /// Pixels: width, height.
     pub resolution: [usize; 2],
@@ -70,6 +80,26 @@ pub struct Display {
     pub pose: Option<Pose>,
     /// Width and height in mm; `None`: the image's.
     pub size: Option<[f64; 2]>,
+    /// Wavelengths in nm that stand for its red, green and blue.
+    pub wavelengths: [f64; 3],
+    /// How its codes become light.
+    pub response: ResponseSource,
+    /// Light that it emits where it is to be dark, by R, G, B, as a share of its white; `None`: as its response was measured, else 0.
+    pub black: Option<[f64; 3]>,
+    /// Bits of one colour's code; `None`: as the picture file has them.
+    pub bits: Option<u32>,
+}
+
+/// Where a display's response comes from.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub enum ResponseSource {
+    /// IEC 61966-2-1.
+    #[default]
+    Srgb,
+    /// Light is code to this power.
+    Gamma(f64),
+    /// A CSV file of measured light, relative to the scene file.
+    File(PathBuf),
 }
 
 /// A distortive object.

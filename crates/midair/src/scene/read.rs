@@ -211,7 +211,20 @@ fn display(scene: &Fields<'_>) -> Option<Display> {
             rotation: rotation.unwrap_or_default(),
         }),
     };
-    Some(Display { resolution: fields.sizes("resolution")?, pose, size: fields.numbers("size") })
+    let response = match (fields.number("gamma"), fields.text("response")) {
+        (Some(gamma), _) => ResponseSource::Gamma(gamma),
+        (None, Some(file)) => ResponseSource::File(file.into()),
+        (None, None) => ResponseSource::Srgb,
+    };
+    Some(Display {
+        resolution: fields.sizes("resolution")?,
+        pose,
+        size: fields.numbers("size"),
+        wavelengths: fields.numbers("wavelengths")?,
+        response,
+        black: fields.colour("black"),
+        bits: fields.integer("bits").and_then(|bits| bits.try_into().ok()),
+    })
 }
 
 fn element(fields: &Fields<'_>) -> Option<Element> {

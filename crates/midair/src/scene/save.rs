@@ -45,6 +45,20 @@ fn write_scene(out: &mut String, scene: &Scene) -> std::fmt::Result {
     if let Some(size) = scene.display.size {
         writeln!(out, "size = {size:?}")?;
     }
+    writeln!(out, "wavelengths = {:?}", scene.display.wavelengths)?;
+    match &scene.display.response {
+        ResponseSource::Srgb => {}
+        ResponseSource::Gamma(gamma) => writeln!(out, "gamma = {gamma:?}")?,
+        ResponseSource::File(file) => {
+            writeln!(out, "response = {}", text(&file.to_string_lossy()))?;
+        }
+    }
+    if let Some(black) = scene.display.black {
+        writeln!(out, "black = {black:?}")?;
+    }
+    if let Some(bits) = scene.display.bits {
+        writeln!(out, "bits = {bits}")?;
+    }
     for element in &scene.elements {
         writeln!(out, "\n[[element]]\nname = {}", text(&element.name))?;
         writeln!(out, "shape = {{ {} }}", shape(&element.shape))?;

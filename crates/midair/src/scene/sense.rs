@@ -26,6 +26,7 @@ pub(super) fn faults(scene: &Scene, source: &SceneText, assets: &[Asset]) -> Vec
             ));
         }
     }
+    display(source, &mut faults);
     sides(scene, source, &mut faults);
     faults
 }
@@ -216,6 +217,17 @@ fn bilinear(rows: &[Vec<f64>], s: f64, t: f64) -> f64 {
     let [fx, fy] = [x - x.floor(), y - y.floor()];
     (at(row, column) * (1.0 - fx) + at(row, column + 1) * fx) * (1.0 - fy)
         + (at(row + 1, column) * (1.0 - fx) + at(row + 1, column + 1) * fx) * fy
+}
+
+/// What a display cannot be at once.
+fn display(source: &SceneText, faults: &mut Vec<SceneError>) {
+    if source.has("display.gamma") && source.has("display.response") {
+        faults.push(source.error_at(
+            "display.gamma",
+            "the display has both a gamma and a measured response",
+            "keep the one that describes it",
+        ));
+    }
 }
 
 /// Who faces whom: the image the viewer, the plate the image, the display behind the plate.

@@ -52,7 +52,15 @@ fn a_scene_reads_as_it_is_written() {
             },
             model: PlateModel::Ideal,
         },
-        display: Display { resolution: [64, 32], pose: None, size: None },
+        display: Display {
+            resolution: [64, 32],
+            pose: None,
+            size: None,
+            wavelengths: [611.0, 549.0, 465.0],
+            response: ResponseSource::Srgb,
+            black: None,
+            bits: None,
+        },
         elements: vec![Element {
             name: "ball".into(),
             shape: Shape::Sphere { radius: 25.0 },
@@ -704,12 +712,25 @@ fn scene_strategy() -> impl Strategy<Value = Scene> {
             })
         },
     );
-    let display = (
-        (1..=32768usize, 1..=32768usize),
-        proptest::option::of(pose_strategy()),
-        proptest::option::of(numbers::<2>(1e-6..1e6)),
-    )
-        .prop_map(|((w, h), pose, size)| Display { resolution: [w, h], pose, size });
+    let display =
+        (
+            (1..=32768usize, 1..=32768usize),
+            proptest::option::of(pose_strategy()),
+            proptest::option::of(numbers::<2>(1e-6..1e6)),
+            (
+                numbers::<3>(380.0..780.0),
+                prop_oneof![
+                    Just(ResponseSource::Srgb),
+                    (0.2..10.0).prop_map(ResponseSource::Gamma),
+                    Just(ResponseSource::File("bench.csv".into()))
+                ],
+                proptest::option::of(numbers::<3>(0.0..0.5)),
+                proptest::option::of(1..=16u32),
+            ),
+        )
+            .prop_map(|((w, h), pose, size, (wavelengths, response, black, bits))| {
+                Display { resolution: [w, h], pose, size, wavelengths, response, black, bits }
+            });
     (
         (any::<String>(), 1..=10_000usize, any::<bool>(), numbers::<3>(-1e6..1e6)),
         rectangle_strategy(),

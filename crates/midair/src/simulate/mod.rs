@@ -21,6 +21,4 @@ pub use film::{ErrorEstimate, Layers, Light, Render};
 pub use gain::gain;
 pub use lens::Viewer;
 pub use light::Plate;
-pub use render::{
-    COLOUR_WAVELENGTHS, Progress, Settings, SimulateError, Watch, render, render_with_dispersion,
-};
+pub use render::{Progress, Settings, SimulateError, Watch, render, render_with_dispersion};

@@ -10,10 +10,6 @@ use sobol_burley::sample_4d;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// The dominant wavelengths of the primaries of sRGB (Rec. ITU-R BT.709, white D65), micrometres: what stands for
-/// a colour where indices depend on the wavelength.
-pub const COLOUR_WAVELENGTHS: [f64; 3] = [0.6114, 0.5491, 0.4642];
-
 /// How much work a render does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
@@ -121,7 +117,7 @@ pub fn render(
 }
 
 /// As [`render`], each colour at its own wavelength: with dispersion. The set-ups are for linear R, G and B,
-/// for instance of [`Setup::at_wavelength`] at the [`COLOUR_WAVELENGTHS`]; they differ in nothing but indices.
+/// for instance of [`Setup::by_colour`]; they differ in nothing but indices.
 /// Three paths are followed with the same random numbers.
 ///
 /// # Errors

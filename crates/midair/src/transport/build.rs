@@ -49,6 +49,20 @@ impl Setup {
         Ok(Self::around(scene, elements))
     }
 
+    /// The set-ups of a scene for the display's red, green and blue, each at the wavelength that stands for it.
+    ///
+    /// # Errors
+    /// As [`Setup::new`].
+    pub fn by_colour(loaded: &Loaded) -> Result<[Self; 3], SetupError> {
+        // A micrometre is 1000 nm.
+        let [r, g, b] = loaded.scene.display.wavelengths.map(|nm| nm / 1000.0);
+        Ok([
+            Self::at_wavelength(loaded, r)?,
+            Self::at_wavelength(loaded, g)?,
+            Self::at_wavelength(loaded, b)?,
+        ])
+    }
+
     /// The same plate and display with no object between, the display where it shows the image undistorted by
     /// itself: the reference that views are compared with.
     pub fn without_elements(loaded: &Loaded) -> Self {

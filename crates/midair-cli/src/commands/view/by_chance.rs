@@ -9,11 +9,10 @@ use clap::ValueEnum;
 use midair::evaluate::proof::Watch as _;
 use midair::media::Depth;
 use midair::scene::Loaded;
-use midair::scene::model::{Index, Material, PlateModel, SlitMirror};
+use midair::scene::model::{PlateModel, SlitMirror};
 use midair::simulate::tone::{Exposure, write_layers, write_png};
 use midair::simulate::{
-    COLOUR_WAVELENGTHS, Light, Plate, Progress, Render, Settings, Viewer, Watch, render,
-    render_with_dispersion,
+    Light, Plate, Progress, Render, Settings, Viewer, Watch, render, render_with_dispersion,
 };
 use midair::transport::Setup;
 use serde_json::{Value, json};
@@ -163,13 +162,19 @@ pub fn run(options: &Options, shot: Shot, voice: Voice) -> Result<ExitCode, Fail
         }
     };
     let watch = Watch { cancel: Some(cancel), pass: Some(&mut pass) };
-    let colours = if disperses(&loaded) { colour_setups(&loaded)? } else { Vec::new() };
-    let rendered = match colours.as_slice() {
-        [r, g, b] => {
-            let setups = [r, g, b];
-            render_with_dispersion(setups, &plate, &still.picture, &viewer, &settings, watch)
+    let rendered = match loaded.scene.disperses() {
+        true => {
+            let colours = Setup::by_colour(&loaded)?;
+            render_with_dispersion(
+                colours.each_ref(),
+                &plate,
+                &still.picture,
+                &viewer,
+                &settings,
+                watch,
+            )
         }
-        _ => render(&setup, &plate, &still.picture, &viewer, &settings, watch),
+        false => render(&setup, &plate, &still.picture, &viewer, &settings, watch),
     };
     let view = rendered.map_err(|error| Failure::new(error.to_string(), "change that option"))?;
     bar.finish();
@@ -191,7 +196,7 @@ pub fn run(options: &Options, shot: Shot, voice: Voice) -> Result<ExitCode, Fail
 
     voice.note(&notes);
     let told = Told { loaded: &loaded, viewer: &viewer, model: &model, settings, light };
-    let dispersion = !colours.is_empty();
+    let dispersion = loaded.scene.disperses();
     let mut value = told.json(&view, dispersion);
     value["exposure"] = json!(factor);
     value["timings_ms"] = json!({ "view": milliseconds(time) });
@@ -240,20 +245,6 @@ impl Picture {
         }
         Ok(factor)
     }
-}
-
-/// Whether any index depends on the wavelength.
-fn disperses(loaded: &Loaded) -> bool {
-    loaded.scene.elements.iter().any(|element| match &element.material {
-        Material::Refractive { index, .. } => !matches!(index, Index::Constant(_)),
-        Material::Mirror { .. } => false,
-    })
-}
-
-/// The set-up at the wavelengths that stand for R, G and B.
-fn colour_setups(loaded: &Loaded) -> Result<Vec<Setup>, Failure> {
-    let setups = COLOUR_WAVELENGTHS.iter().map(|&um| Setup::at_wavelength(loaded, um));
-    Ok(setups.collect::<Result<_, _>>()?)
 }
 
 /// What is said of a render.

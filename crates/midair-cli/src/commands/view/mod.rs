@@ -12,7 +12,7 @@ use crate::summary::{Voice, milliseconds, paths, percent, wrote};
 use midair::evaluate::proof::{Watch as _, view_size};
 use midair::geometry::Vec3;
 use midair::media::optimal::view_through;
-use midair::media::{Depth, Still, write_still};
+use midair::media::{Depth, Still, emitted, write_still};
 use midair::scene::Loaded;
 use midair::simulate::Camera;
 use midair::transport::Setup;
@@ -88,7 +88,10 @@ fn prepare(arguments: &Arguments, weight: usize) -> Result<Shot, Failure> {
     arguments.out.iter().try_for_each(|out| check_picture_name(out))?;
     let loaded = open_scene(&arguments.scene, None)?;
     let mut notes = loaded.notes.clone();
-    let still = open_picture(&arguments.display, &mut notes)?;
+    let mut still = open_picture(&arguments.display, &mut notes)?;
+    if !loaded.screen.is_plain() {
+        still.picture = emitted(&still.picture, &loaded.screen);
+    }
     let setup = Setup::new(&loaded)?;
     let size = match arguments.size {
         Some(Size(size)) => size,

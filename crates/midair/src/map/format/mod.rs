@@ -22,7 +22,7 @@ pub use exr_channels::{Channels, MAX_PIXELS, SampleKind, decode_channels, write_
 pub use kind::{Format, UnknownFormat};
 pub(crate) use png::{decode_samples, write_png};
 
-use super::{Map, Status};
+use super::{Gain, Map, Status};
 use std::path::{Path, PathBuf};
 
 /// A map from a file.
@@ -30,13 +30,15 @@ use std::path::{Path, PathBuf};
 pub struct LoadedMap {
     /// The map; its error bound is infinite, as files do not tell it.
     pub map: Map,
+    /// What is left of each pixel's light, where the file says so.
+    pub gain: Option<Gain>,
     /// What the user should know, one sentence each.
     pub notes: Vec<String>,
 }
 
 impl LoadedMap {
     fn new(map: Map) -> Self {
-        Self { map, notes: Vec::new() }
+        Self { map, gain: None, notes: Vec::new() }
     }
 }
 
@@ -62,6 +64,25 @@ pub fn write_map(
     format: Format,
     path: &Path,
 ) -> Result<Written, FileError> {
+    write_map_and_gain(map, None, source, format, path)
+}
+
+/// As [`write_map`], with the map's gain where the format has a place for it: [`Format::Exr`] and [`Format::ExrHalf`], as channels
+/// gain.R, gain.G, gain.B. The gain is of the map's size.
+///
+/// # Errors
+/// As [`write_map`].
+pub fn write_map_and_gain(
+    map: &Map,
+    gain: Option<&Gain>,
+    source: [usize; 2],
+    format: Format,
+    path: &Path,
+) -> Result<Written, FileError> {
+    if gain.is_some_and(|gain| gain.rgb.len() != map.uv.len()) {
+        let problem = "its gain is of another size than the map";
+        return Err(FileError::unsupported(path, problem, "work the gain out anew"));
+    }
     let pixels = map.width.checked_mul(map.height);
     if pixels.is_none_or(|n| n == 0 || n != map.uv.len() || n != map.status.len()) {
         let problem = format!("a map of {} x {} pixels cannot be written", map.width, map.height);
@@ -73,9 +94,9 @@ pub fn write_map(
     }
     let mut written = Written { files: vec![path.to_owned()], notes: Vec::new() };
     match format {
-        Format::Exr => stmap::write(map, path, false)?,
+        Format::Exr => stmap::write(map, gain, path, false)?,
         Format::ExrHalf => {
-            stmap::write(map, path, true)?;
+            stmap::write(map, gain, path, true)?;
             let step = source[0].max(source[1]) as f64 / 2048.0;
             written.notes.push(format!(
                 "{}: half floats place image points in steps of up to {step:.2} source pixels; \

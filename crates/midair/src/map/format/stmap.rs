@@ -1,7 +1,7 @@
 //! Maps in OpenEXR files: STMap, Blender, TouchDesigner.
 
 use super::{FileError, LoadedMap, SampleKind, answer, covered, decode_channels, write_channels};
-use crate::map::{Map, Status};
+use crate::map::{Gain, Map, Status};
 use std::path::Path;
 
 /// The channel that tells whether a pixel has an answer.
@@ -13,13 +13,25 @@ pub(super) enum Cover {
     B,
 }
 
-pub(super) fn write(map: &Map, path: &Path, half: bool) -> Result<(), FileError> {
+/// The channels of the gain.
+const GAIN: [&str; 3] = ["gain.R", "gain.G", "gain.B"];
+
+pub(super) fn write(
+    map: &Map,
+    gain: Option<&Gain>,
+    path: &Path,
+    half: bool,
+) -> Result<(), FileError> {
     let uv = |axis: usize| {
         map.uv.iter().map(|&uv| answer(uv).map_or(f32::NAN, |uv| uv[axis] as f32)).collect()
     };
     let ok = map.status.iter().map(|&status| f32::from(status == Status::Ok)).collect();
     let status = map.status.iter().map(|&status| f32::from(status as u8)).collect();
-    let channels = vec![("R", uv(0)), ("G", uv(1)), ("A", ok), ("status", status)];
+    let mut channels = vec![("R", uv(0)), ("G", uv(1)), ("A", ok), ("status", status)];
+    if let Some(gain) = gain {
+        let of = |c: usize| gain.rgb.iter().map(|rgb| rgb[c]).collect();
+        channels.extend(GAIN.iter().enumerate().map(|(c, &name)| (name, of(c))));
+    }
     write_channels(path, map.width, map.height, channels, half)
 }
 
@@ -92,6 +104,13 @@ pub(super) fn read(path: &Path, bytes: &[u8], cover: Cover) -> Result<LoadedMap,
         map.status.push(status);
     }
     let mut loaded = LoadedMap::new(map);
+    if let [Some(r), Some(g), Some(b)] = GAIN.map(|name| file.get(name)) {
+        let rgb = r.iter().zip(g).zip(b).map(|((&r, &g), &b)| [r, g, b]);
+        // Less than nothing is left of no light.
+        let rgb = rgb.map(|rgb| if rgb.iter().all(|&g| g >= 0.0) { rgb } else { [f32::NAN; 3] });
+        let (width, height) = (file.width, file.height);
+        loaded.gain = Some(Gain { width, height, rgb: rgb.collect() });
+    }
     if file
         .channels
         .iter()

@@ -211,3 +211,26 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn the_gain_travels_with_the_map() {
+    let folder = tempfile::tempdir().unwrap();
+    let map = Map::identity(7, 5);
+    let mut rgb: Vec<[f32; 3]> = (0..35).map(|i| [i as f32 / 35.0, 0.5, 0.25]).collect();
+    rgb[3] = [f32::NAN; 3];
+    let gain = Gain { width: 7, height: 5, rgb };
+    let file = folder.path().join("map.exr");
+    write_map_and_gain(&map, Some(&gain), [7, 5], Format::Exr, &file).unwrap();
+    let loaded = read_map(&file, None, None).unwrap();
+    assert_eq!(loaded.map.status, map.status);
+    let found = loaded.gain.unwrap();
+    assert_eq!((found.width, found.height), (7, 5));
+    for (a, b) in found.rgb.iter().zip(&gain.rgb) {
+        assert!(a == b || (a[0].is_nan() && b[0].is_nan()), "{a:?} {b:?}");
+    }
+    write_map(&map, [7, 5], Format::Exr, &file).unwrap();
+    assert_eq!(read_map(&file, None, None).unwrap().gain, None);
+    let other = Gain { width: 1, height: 1, rgb: vec![[1.0; 3]] };
+    let refused = write_map_and_gain(&map, Some(&other), [7, 5], Format::Exr, &file);
+    assert!(refused.unwrap_err().to_string().contains("another size"));
+}

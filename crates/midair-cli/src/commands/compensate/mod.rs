@@ -1,22 +1,28 @@
 //! `midair compensate`: the map, and what the display must show.
 
-use crate::arguments::{Size, check_view, map_formats, open_picture, open_scene};
+use crate::arguments::{Size, map_formats, open_picture, open_scene};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::progress::Bar;
 use crate::summary::{Counts, Voice, number, paths, timings, wrote};
 use clap::ValueEnum;
-use midair::evaluate::proof::{Reference, Watch as _, view_size};
-use midair::map::format::{Format, write_bytes_atomically, write_map};
-use midair::map::{Accuracy, Map, bleed, forward, invert, splat};
-use midair::media::optimal::{Weighting, optimal_display, view_through};
-use midair::media::{Depth, Picture, Still, display_image, write_still};
+use maps::{Solutions, Solved, write_six_channels};
+use midair::evaluate::proof::{Watch as _, view_size};
+use midair::map::format::{Format, write_bytes_atomically};
+use midair::map::{bleed, forward};
+use midair::media::Picture;
 use midair::scene::Loaded;
-use midair::simulate::Camera;
 use midair::transport::Setup;
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use show::{Mode, colour, finish, gains, optimal};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
+
+mod maps;
+mod show;
+
+pub use maps::write_maps;
+pub use show::write_display;
 
 /// Work out what the display must show: the map, and the display image of a picture
 ///
@@ -24,7 +30,8 @@ use std::time::{Duration, Instant};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  midair compensate scene.toml --out out\n  \
     midair compensate scene.toml --image photo.jpg --out out --size 1920x1080 --optimal\n  \
-    midair compensate scene.toml --out out --format exr,npy,opencv")]
+    midair compensate scene.toml --out out --format exr,npy,opencv\n  \
+    midair compensate scene.toml --image photo.jpg --out out --gain fit --per-channel")]
 pub struct Arguments {
     /// Scene file (TOML or JSON)
     scene: PathBuf,
@@ -46,6 +53,13 @@ pub struct Arguments {
     /// The display image whose view comes nearest to the picture, by least squares
     #[arg(long, requires = "image")]
     optimal: bool,
+    /// Divide out how much of the display's light arrives (Fresnel's losses, tints, mirrors, the plate), so that the image is even
+    #[arg(long, value_name = "MODE", value_enum, num_args = 0..=1, default_missing_value = "fit")]
+    gain: Option<Mode>,
+    /// A map for each of the display's colours, so that glass with dispersion leaves no fringes: map_r, map_g, map_b, and map_rgb.exr with
+    /// all three
+    #[arg(long)]
+    per_channel: bool,
     /// Kinds of map files, separated by commas
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "exr", value_parser = map_formats())]
     format: Vec<Format>,
@@ -88,45 +102,71 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let loaded = open_scene(&arguments.scene, arguments.size)?;
     let mut notes = loaded.notes.clone();
     let still = arguments.image.as_ref().map(|path| open_picture(path, &mut notes)).transpose()?;
-    let setup = Setup::new(&loaded)?;
+    let setups = match arguments.per_channel {
+        true => Setup::by_colour(&loaded)?.into(),
+        false => vec![Setup::new(&loaded)?],
+    };
+    notes.extend(colour_note(&loaded, arguments.per_channel));
     let mut output = Output::into_folder(&arguments.out)?;
 
     let bar = Bar::new();
     let spp = arguments.spp.unwrap_or(1000) as usize;
-    let solved = solve(&setup, arguments.method, spp, &bar);
-    let mut laps = vec![("map", solved.time)];
+    let solutions = Solutions::make(setups, arguments.method, spp, &bar);
+    let Solved { setup, map, .. } = solutions.main();
+    let mut laps = vec![("map", solutions.time())];
+    let gains = match arguments.gain {
+        Some(_) => {
+            bar.stage("gain", 1);
+            let (gains, time) = timed(|| gains(&loaded, &solutions))?;
+            laps.push(("gain", time));
+            Some(gains)
+        }
+        None => None,
+    };
+    let mut shown = None;
 
     if let Some(still) = &still {
-        notes.extend(stretch_note(&setup, &still.picture));
-        let (mut display, time) = timed(|| Ok(display_image(&still.picture, &solved.map)))?;
+        notes.extend(stretch_note(setup, &still.picture));
+        let (mut light, time) = timed(|| Ok(colour(&still.picture, &solutions)))?;
         laps.push(("colour", time));
         if arguments.optimal {
             bar.stage("best display image", 1);
-            let (best, time) = timed(|| optimal(&loaded, &setup, &still.picture, &display))?;
-            display = best;
+            let (best, time) = timed(|| optimal(&loaded, &solutions, &still.picture, &light))?;
+            light = best;
             laps.push(("optimal", time));
         }
-        let ((), time) = timed(|| write_display(&mut output, still, &display))?;
+        let evening = arguments.gain.zip(gains.as_deref());
+        let (finished, time) = timed(|| Ok(finish(&loaded, light, evening)))?;
+        laps.push(("brightness", time));
+        let ((), time) = timed(|| write_display(&mut output, still, &finished.display))?;
         laps.push(("write_display", time));
+        shown = Some(finished);
     }
     let source = match &still {
         Some(still) => [still.picture.width, still.picture.height],
-        None => view_size(&setup, setup.resolution[0]),
+        None => view_size(setup, setup.resolution[0]),
     };
     let rings = usize::from(arguments.bleed);
     let (more, time) = timed(|| {
-        let bled = (rings > 0).then(|| bleed(&solved.map, rings));
-        let map = bled.as_ref().unwrap_or(&solved.map);
-        let mut notes = write_maps(&mut output, map, "map", source, &arguments.format)?;
-        if arguments.forward {
-            let map = bleed(&forward(&setup, &solved.map, source), rings);
-            notes.extend(write_maps(
-                &mut output,
-                &map,
-                "forward",
-                setup.resolution,
-                &arguments.format,
-            )?);
+        let mut notes = Vec::new();
+        for (c, solved) in solutions.0.iter().enumerate() {
+            let name = match solutions.by_colour() {
+                true => ["map_r", "map_g", "map_b"][c],
+                false => "map",
+            };
+            let bled = (rings > 0).then(|| bleed(&solved.map, rings));
+            let map = bled.as_ref().unwrap_or(&solved.map);
+            let gain = gains.as_ref().map(|gains| &gains[c]);
+            notes.extend(write_maps(&mut output, map, gain, name, source, &arguments.format)?);
+            if arguments.forward {
+                let map = bleed(&forward(&solved.setup, &solved.map, source), rings);
+                let name = name.replacen("map", "forward", 1);
+                let size = solved.setup.resolution;
+                notes.extend(write_maps(&mut output, &map, None, &name, size, &arguments.format)?);
+            }
+        }
+        if solutions.by_colour() && arguments.format.contains(&Format::Exr) {
+            write_six_channels(&mut output, &solutions)?;
         }
         Ok(notes)
     })?;
@@ -134,7 +174,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     laps.push(("write_map", time));
     bar.finish();
 
-    let counts = Counts::of(&solved.map);
+    let counts = Counts::of(map);
     let report = json!({
         "midair": env!("CARGO_PKG_VERSION"),
         "command": "compensate",
@@ -144,24 +184,28 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         "optimal": arguments.optimal,
         "size": setup.resolution,
         "status": counts.json(),
-        "error_bound": number(solved.map.error_bound),
-        "rays": solved.rays,
-        "effort": solved.effort,
+        "error_bound": number(solutions.error_bound()),
+        "rays": solutions.rays(),
+        "effort": solutions.main().effort,
+        "colours": solutions.colours_json(),
+        "brightness": shown.as_ref().map(|shown| &shown.json),
         "timings_ms": timings(&laps),
         "notes": notes,
     });
     write_report(&mut output, &report)?;
     let files = output.finish()?;
     voice.note(&notes);
-    explain(&solved, &laps, voice);
+    explain(&solutions, &laps, voice);
     let lines = format!(
-        "{}: {} x {} display pixels mapped in {:.1} ms\n{}\n{}\n{}",
+        "{}: {} x {} display pixels mapped{} in {:.1} ms\n{}\n{}\n{}{}",
         loaded.scene.name,
         setup.resolution[0],
         setup.resolution[1],
-        solved.time.as_secs_f64() * 1e3,
+        if solutions.by_colour() { " for each of three colours" } else { "" },
+        solutions.time().as_secs_f64() * 1e3,
         counts.line(),
-        bound_line(&solved.map),
+        bound_line(solutions.error_bound()),
+        shown.map(|shown| shown.lines).unwrap_or_default(),
         wrote(&files)
     );
     let mut report = report;
@@ -169,89 +213,10 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     voice.tell(&lines, &report)
 }
 
-/// A map and what it took.
-pub struct Solved {
-    pub map: Map,
-    pub rays: u64,
-    pub effort: Value,
-    pub time: Duration,
-}
-
-/// Makes the map.
-fn solve(setup: &Setup, method: Method, spp: usize, bar: &Bar) -> Solved {
-    let start = Instant::now();
-    match method {
-        Method::Inverse => {
-            bar.stage("map", 1);
-            let (map, effort) = invert(setup, Accuracy::default());
-            let time = start.elapsed();
-            let told = json!({ "patches": effort.patches, "solved_pixels": effort.solved_pixels });
-            Solved { map, rays: effort.rays, effort: told, time }
-        }
-        Method::Splat => {
-            bar.stage("samples of the view", setup.resolution[1]);
-            let splat = splat(setup, spp, &|rows| bar.advance(rows));
-            let time = start.elapsed();
-            Solved { map: splat.map, rays: splat.rays, effort: Value::Null, time }
-        }
-    }
-}
-
 fn timed<T>(work: impl FnOnce() -> Result<T, Failure>) -> Result<(T, Duration), Failure> {
     let start = Instant::now();
     let made = work()?;
     Ok((made, start.elapsed()))
-}
-
-/// The display image whose view comes nearest to what would be seen with no object in the way.
-fn optimal(
-    loaded: &Loaded,
-    setup: &Setup,
-    picture: &Picture,
-    initial: &Picture,
-) -> Result<Picture, Failure> {
-    let [width, height] = setup.resolution;
-    let size = view_size(setup, width);
-    let camera = Camera::at_viewpoint(setup, size);
-    check_view(size, camera.supersampling)?;
-    let open = Reference::new(loaded, &camera, &|_| {});
-    let target =
-        view_through(&open.samples, &display_image(picture, &Map::identity(width, height)))?;
-    let samples = camera.samples(setup, &|_| {});
-    Ok(optimal_display(&samples, &target, initial, Weighting::default())?.display)
-}
-
-/// Writes what the display shows: 8 bits for a picture of 8 bits, else 16, and OpenEXR for an OpenEXR picture as well.
-pub fn write_display(output: &mut Output, still: &Still, display: &Picture) -> Result<(), Failure> {
-    output.write("display.png", |path| write_still(path, display, still.depth))?;
-    if still.depth == Depth::Float {
-        output.write("display.exr", |path| write_still(path, display, Depth::Float))?;
-    }
-    Ok(())
-}
-
-/// Writes the map in each format, under the format's file name with `name` in the place of "map"; returns what the
-/// user should know.
-pub fn write_maps(
-    output: &mut Output,
-    map: &Map,
-    name: &str,
-    source: [usize; 2],
-    formats: &[Format],
-) -> Result<Vec<String>, Failure> {
-    let mut notes = Vec::new();
-    for &format in formats {
-        let name = format.file_name().replacen("map", name, 1);
-        let written = output.write(&name, |path| write_map(map, source, format, path))?;
-        // The note may begin with the file's name, which is not yet the final one.
-        notes.extend(written.notes.into_iter().map(|note| match note.split_once(": ") {
-            Some((file, rest)) if Path::new(file).ends_with(&name) => {
-                format!("{name}: {rest}")
-            }
-            _ => note,
-        }));
-    }
-    Ok(notes)
 }
 
 /// Writes report.json.
@@ -275,20 +240,37 @@ pub fn stretch_note(setup: &Setup, picture: &Picture) -> Option<String> {
     })
 }
 
-fn bound_line(map: &Map) -> String {
-    if map.error_bound.is_finite() {
+/// Says so if indices depend on the wavelength and the maps do not, or the other way.
+fn colour_note(loaded: &Loaded, per_channel: bool) -> Option<String> {
+    match (loaded.scene.disperses(), per_channel) {
+        (true, false) => Some(
+            "a material disperses: this map is for yellow light (587.6 nm); --per-channel makes one for each colour".into(),
+        ),
+        (false, true) => {
+            Some("no material disperses: the three maps are the same".to_owned())
+        }
+        _ => None,
+    }
+}
+
+fn bound_line(bound: f64) -> String {
+    if bound.is_finite() {
         format!(
             "every ok pixel is within {:.1e} of exact ({:.0e} pixels of a 1024-pixel image)",
-            map.error_bound,
-            map.error_bound * 1024.0
+            bound,
+            bound * 1024.0
         )
     } else {
         "no error bound: the splat method proves none".to_owned()
     }
 }
 
-fn explain(solved: &Solved, laps: &[(&'static str, Duration)], voice: Voice) {
-    voice.explain(&format!("the map took {} rays; effort {}", solved.rays, solved.effort));
+fn explain(solutions: &Solutions, laps: &[(&'static str, Duration)], voice: Voice) {
+    voice.explain(&format!(
+        "the map took {} rays; effort {}",
+        solutions.rays(),
+        solutions.main().effort
+    ));
     for (name, time) in laps {
         voice.explain(&format!("{name}: {:.1} ms", time.as_secs_f64() * 1e3));
     }

@@ -1,0 +1,165 @@
+//! What the display must show of a picture: colour, brightness, the display's own response.
+
+use super::maps::Solutions;
+use crate::arguments::check_view;
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::summary::percent;
+use clap::ValueEnum;
+use midair::evaluate::proof::{Reference, view_size};
+use midair::map::{Gain, Map};
+use midair::media::optimal::{Weighting, optimal_display, view_through};
+use midair::media::{
+    Depth, Overflow, Picture, Still, display_image, display_image_by_colour, drive, even_out,
+    write_still,
+};
+use midair::scene::Loaded;
+use midair::simulate::{Camera, Plate, gain};
+use midair::transport::Setup;
+use serde_json::{Value, json};
+
+/// What is done where evening the brightness out would take a brighter display.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Mode {
+    /// The image is as bright as its most demanding pixel allows: nothing clips
+    Fit,
+    /// A white image clips at a tenth of its pixels
+    Clip,
+    /// As clip, with a soft shoulder instead of an edge
+    Soft,
+}
+
+impl Mode {
+    fn overflow(self) -> Overflow {
+        match self {
+            Self::Fit => Overflow::Fit,
+            Self::Clip => Overflow::Clip,
+            Self::Soft => Overflow::Soft,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Fit => "fit",
+            Self::Clip => "clip",
+            Self::Soft => "soft",
+        }
+    }
+}
+
+/// The gain of each map.
+pub fn gains(loaded: &Loaded, solutions: &Solutions) -> Result<Vec<Gain>, Failure> {
+    let plate = Plate::new(&loaded.scene.plate.model).map_err(|error| {
+        Failure::new(error.to_string(), "change that value in the scene's [plate]")
+    })?;
+    Ok(solutions.0.iter().map(|solved| gain(&solved.setup, &plate, &solved.map)).collect())
+}
+
+/// Each colour's gain from its own map.
+fn merged(gains: &[Gain]) -> Gain {
+    let mut all = gains[0].clone();
+    for (c, gain) in gains.iter().enumerate().skip(1) {
+        for (rgb, other) in all.rgb.iter_mut().zip(&gain.rgb) {
+            rgb[c] = other[c];
+        }
+    }
+    all
+}
+
+/// A display image, and what is to be said of it.
+pub struct Shown {
+    pub display: Picture,
+    pub lines: String,
+    pub json: Value,
+}
+
+/// The display image with the gain divided out, if asked for, and in the display's own codes.
+pub fn finish(loaded: &Loaded, light: Picture, evening: Option<(Mode, &[Gain])>) -> Shown {
+    let mut display = light;
+    let mut lines = String::new();
+    let mut told = json!({});
+    if let Some((mode, gains)) = evening {
+        let gain = merged(gains);
+        let evened = even_out(&display, &gain, mode.overflow());
+        display = evened.display;
+        let finite = || gain.rgb.iter().flatten().copied().filter(|g| g.is_finite());
+        let least = finite().fold(f32::INFINITY, f32::min);
+        let most = finite().fold(0.0, f32::max);
+        told["gain"] = json!({
+            "mode": mode.name(),
+            "level": evened.level,
+            "clipped": evened.clipped,
+            "least": if least.is_finite() { json!(least) } else { Value::Null },
+            "most": most,
+        });
+        lines += &format!(
+            "{:.1} to {:.1} % of the display's light arrives; evened out ({}) white is {:.1} % of the display's, {} of the samples clipped\n",
+            100.0 * if least.is_finite() { least } else { 0.0 },
+            100.0 * most,
+            mode.name(),
+            100.0 * evened.level,
+            percent(evened.clipped)
+        );
+    }
+    if !loaded.screen.is_plain() {
+        let driven = drive(&display, &loaded.screen);
+        display = driven.picture;
+        told["darker_than_black"] = json!(driven.too_dark);
+        if driven.too_dark > 0.0 {
+            lines += &format!(
+                "{} of the samples are darker than the display's black: there the image stays too bright\n",
+                percent(driven.too_dark)
+            );
+        }
+    }
+    Shown { display, lines, json: told }
+}
+
+/// The picture through the maps.
+pub fn colour(picture: &Picture, solutions: &Solutions) -> Picture {
+    if !solutions.by_colour() {
+        return display_image(picture, &solutions.main().map);
+    }
+    display_image_by_colour(picture, [0, 1, 2].map(|c| &solutions.of_colour(c).map))
+}
+
+/// The display image whose view comes nearest to what would be seen with no object in the way.
+pub fn optimal(
+    loaded: &Loaded,
+    solutions: &Solutions,
+    picture: &Picture,
+    initial: &Picture,
+) -> Result<Picture, Failure> {
+    let mut best = optimal_for(loaded, &solutions.0[0].setup, picture, initial)?;
+    for (c, solved) in solutions.0.iter().enumerate().skip(1) {
+        let other = optimal_for(loaded, &solved.setup, picture, initial)?;
+        best.pixels.iter_mut().zip(&other.pixels).for_each(|(pixel, other)| pixel[c] = other[c]);
+    }
+    Ok(best)
+}
+
+fn optimal_for(
+    loaded: &Loaded,
+    setup: &Setup,
+    picture: &Picture,
+    initial: &Picture,
+) -> Result<Picture, Failure> {
+    let [width, height] = setup.resolution;
+    let size = view_size(setup, width);
+    let camera = Camera::at_viewpoint(setup, size);
+    check_view(size, camera.supersampling)?;
+    let open = Reference::new(loaded, &camera, &|_| {});
+    let target =
+        view_through(&open.samples, &display_image(picture, &Map::identity(width, height)))?;
+    let samples = camera.samples(setup, &|_| {});
+    Ok(optimal_display(&samples, &target, initial, Weighting::default())?.display)
+}
+
+/// Writes what the display shows: 8 bits for a picture of 8 bits, else 16, and OpenEXR for an OpenEXR picture as well.
+pub fn write_display(output: &mut Output, still: &Still, display: &Picture) -> Result<(), Failure> {
+    output.write("display.png", |path| write_still(path, display, still.depth))?;
+    if still.depth == Depth::Float {
+        output.write("display.exr", |path| write_still(path, display, Depth::Float))?;
+    }
+    Ok(())
+}
