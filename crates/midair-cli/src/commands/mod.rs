@@ -5,6 +5,7 @@ mod compensate;
 mod completions;
 mod demo;
 mod man;
+mod plate;
 mod report;
 mod schema;
 mod view;
@@ -40,6 +41,7 @@ enum Command {
     Compensate(compensate::Arguments),
     View(view::Arguments),
     Check(check::Arguments),
+    Plate(plate::Arguments),
     Report(report::Arguments),
     Schema(schema::Arguments),
     Completions(completions::Arguments),
@@ -55,6 +57,7 @@ pub fn run(program: Program) -> Result<ExitCode, Failure> {
         Command::Demo(arguments) => demo::run(&arguments, voice),
         Command::Compensate(arguments) => compensate::run(&arguments, voice),
         Command::Check(arguments) => check::run(&arguments, voice),
+        Command::Plate(arguments) => plate::run(&arguments, voice),
         Command::Report(arguments) => report::run(&arguments, voice),
         Command::Schema(arguments) => schema::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),

@@ -4,6 +4,7 @@ mod bad_input;
 mod check;
 mod compensate;
 mod delivery;
+mod plate;
 mod proof;
 mod view;
 

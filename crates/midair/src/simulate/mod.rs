@@ -9,6 +9,7 @@ mod chart;
 mod film;
 mod lens;
 mod light;
+mod measured;
 mod render;
 #[cfg(test)]
 mod tests;
@@ -19,6 +20,7 @@ pub use chart::{Chart, colour_map, point_spread_chart, shares_chart, viewpoints_
 pub use film::{ErrorEstimate, Layers, Light, Render};
 pub use lens::Viewer;
 pub use light::Plate;
+pub use measured::Measured;
 pub use render::{
     COLOUR_WAVELENGTHS, Progress, Settings, SimulateError, Watch, render, render_with_dispersion,
 };
