@@ -65,6 +65,14 @@ pub fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A length on the command line, mm.
+pub fn length(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.0..=1e6).contains(&value) => Ok(value),
+        _ => Err("give a length from 0 to 1000000 mm".to_owned()),
+    }
+}
+
 /// The names of the map formats; a misspelt one gets a suggestion.
 pub fn map_formats() -> impl clap::builder::TypedValueParser<Value = Format> {
     PossibleValuesParser::new(Format::all().map(Format::name))
@@ -157,6 +165,14 @@ mod tests {
         assert_eq!("1,-2.5, 3e2".parse(), Ok(Point([1.0, -2.5, 300.0])));
         for wrong in ["", "1,2", "1,2,3,4", "nan,0,0", "inf,0,0", "1;2;3", "1e9,0,0"] {
             assert!(wrong.parse::<Point>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn lengths_are_read_and_typos_refused() {
+        assert_eq!(length("0"), Ok(0.0));
+        for wrong in ["", "-1", "nan", "inf", "4mm", "1e9"] {
+            assert!(length(wrong).is_err(), "{wrong}");
         }
     }
 }

@@ -4,6 +4,7 @@
 //! else is the library's.
 
 mod arguments;
+mod chart_sheet;
 mod commands;
 mod facts;
 mod failure;

@@ -31,8 +31,10 @@ const SKY: [u8; 3] = [86, 180, 233];
 const BLUE: [u8; 3] = [0, 114, 178];
 const GREY: [u8; 3] = [120, 120, 120];
 const DARK: [u8; 3] = [70, 72, 76];
-const PAPER: [u8; 3] = [250, 250, 248];
-const INK: [u8; 3] = [30, 32, 36];
+/// What pictures with text are drawn on.
+pub const PAPER: [u8; 3] = [250, 250, 248];
+/// What their text is drawn with.
+pub const INK: [u8; 3] = [30, 32, 36];
 
 fn point_colour(point: ImagePoint) -> [u8; 3] {
     match point {
@@ -134,14 +136,16 @@ fn panel([width, height]: [usize; 2], colour: impl Fn(usize) -> [u8; 3]) -> Pict
     picture
 }
 
-fn paste(sheet: &mut Picture, panel: &Picture, [left, top]: [usize; 2]) {
+/// Lays a picture into a sheet that has room for it, its top left corner at a pixel.
+pub fn paste(sheet: &mut Picture, panel: &Picture, [left, top]: [usize; 2]) {
     for (row, line) in panel.pixels.chunks_exact(panel.width).enumerate() {
         let start = (top + row) * sheet.width + left;
         sheet.pixels[start..start + panel.width].copy_from_slice(line);
     }
 }
 
-fn fill(
+/// Fills a box of a sheet; what reaches beyond is cut off.
+pub fn fill(
     sheet: &mut Picture,
     [left, top]: [usize; 2],
     [width, height]: [usize; 2],
@@ -155,7 +159,8 @@ fn fill(
     }
 }
 
-fn linear(colour: [u8; 3]) -> [f32; 3] {
+/// Linear light of an sRGB colour.
+pub fn linear(colour: [u8; 3]) -> [f32; 3] {
     colour.map(srgb::decode_8)
 }
 

@@ -7,6 +7,7 @@ mod completions;
 mod demo;
 mod man;
 mod map;
+mod plate;
 mod report;
 mod schema;
 mod view;
@@ -43,6 +44,7 @@ enum Command {
     Apply(apply::Arguments),
     View(view::Arguments),
     Check(check::Arguments),
+    Plate(plate::Arguments),
     Report(report::Arguments),
     Map(map::Arguments),
     Schema(schema::Arguments),
@@ -60,6 +62,7 @@ pub fn run(program: Program) -> Result<ExitCode, Failure> {
         Command::Compensate(arguments) => compensate::run(&arguments, voice),
         Command::Apply(arguments) => apply::run(&arguments, voice),
         Command::Check(arguments) => check::run(&arguments, voice),
+        Command::Plate(arguments) => plate::run(&arguments, voice),
         Command::Report(arguments) => report::run(&arguments, voice),
         Command::Map(arguments) => map::run(&arguments, voice),
         Command::Schema(arguments) => schema::run(&arguments),

@@ -6,6 +6,7 @@ mod check;
 mod compensate;
 mod delivery;
 mod map;
+mod plate;
 mod proof;
 mod view;
 

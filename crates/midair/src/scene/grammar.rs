@@ -257,6 +257,14 @@ static PLATE: Block = block(
             Need::Number(0.0),
             "slit-mirror: thickness of one mirror, whose end stops light; less than the pitch.",
         ),
+        optional(
+            "luminance",
+            Kind::File,
+            None,
+            Need::Optional,
+            "The image's measured luminance over viewing directions: a CSV file (azimuth, elevation, value), relative to \
+             the scene file. It replaces the brightness that the model gives to the image.",
+        ),
     ],
 );
 

@@ -4,6 +4,7 @@ use super::error::{SceneError, SceneText};
 use super::model::{HeightSource, Material, Normals, ResponseSource, Scene, Shape};
 use super::{Format, heights, parse_with_places, sense};
 use crate::geometry::mesh::{self, Surface, TriangleMesh};
+use crate::optics::plate::LuminanceTable;
 use crate::optics::screen::{Response, ResponseTable, Screen};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -30,6 +31,8 @@ pub struct Loaded {
     pub assets: Vec<Asset>,
     /// How the display's codes become light.
     pub screen: Screen,
+    /// The measured luminance that the plate names.
+    pub luminance: Option<LuminanceTable>,
     /// The scene file's text, for messages that show a line of it.
     pub text: SceneText,
     /// The folder that the scene's files are relative to.
@@ -127,9 +130,16 @@ pub fn with_files(scene: Scene, text: SceneText, folder: PathBuf) -> Result<Load
         });
     }
     let screen = screen(&scene, &text, &folder)?;
+    let luminance = match &scene.plate.luminance {
+        None => None,
+        Some(file) => Some(LuminanceTable::read(&folder.join(file)).map_err(|e| {
+            let help = "give a CSV file with the columns azimuth, elevation (degrees) and value";
+            text.error_at("plate.luminance", e.to_string(), help)
+        })?),
+    };
     match SceneError::gathered(sense::faults(&scene, &text, &assets)) {
         Some(error) => Err(error),
-        None => Ok(Loaded { scene, assets, screen, text, folder, notes }),
+        None => Ok(Loaded { scene, assets, luminance, screen, text, folder, notes }),
     }
 }
 

@@ -54,12 +54,15 @@ impl Scene {
 }
 
 /// The micro-mirror array plate.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Plate {
     /// Where it stands; its normal is local +z.
     pub rectangle: Rectangle,
     /// How it treats light.
     pub model: PlateModel,
+    /// A CSV file of measured luminance over viewing directions, relative to the scene file: how bright the mid-air
+    /// image is, in place of what the model says.
+    pub luminance: Option<PathBuf>,
 }
 
 /// How a plate treats light.

@@ -192,7 +192,8 @@ fn plate(fields: &Fields<'_>) -> Option<Plate> {
         }),
         _ => return None,
     };
-    Some(Plate { rectangle: fields.rectangle()?, model })
+    let luminance = fields.text("luminance").map(PathBuf::from);
+    Some(Plate { rectangle: fields.rectangle()?, model, luminance })
 }
 
 fn display(scene: &Fields<'_>) -> Option<Display> {

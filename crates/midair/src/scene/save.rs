@@ -38,6 +38,9 @@ fn write_scene(out: &mut String, scene: &Scene) -> std::fmt::Result {
             slit.mirror_thickness,
         )?,
     }
+    if let Some(file) = &scene.plate.luminance {
+        writeln!(out, "luminance = {}", text(&file.to_string_lossy()))?;
+    }
     writeln!(out, "\n[display]\nresolution = {:?}", scene.display.resolution)?;
     if let Some(pose) = scene.display.pose {
         writeln!(out, "{}", pose_keys(&pose))?;

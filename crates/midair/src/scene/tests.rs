@@ -51,6 +51,7 @@ fn a_scene_reads_as_it_is_written() {
                 size: [488.0, 488.0],
             },
             model: PlateModel::Ideal,
+            luminance: None,
         },
         display: Display {
             resolution: [64, 32],
@@ -744,7 +745,7 @@ fn scene_strategy() -> impl Strategy<Value = Scene> {
             follow_total_reflection: top.2,
             viewpoint: top.3,
             image,
-            plate: Plate { rectangle, model },
+            plate: Plate { rectangle, model, luminance: Some("bench.csv".into()) },
             display,
             elements,
         })

@@ -1,9 +1,10 @@
 //! One path from the eye to the display, with everything that happens to light on it.
 
-use crate::geometry::{Ray, Vec3};
+use super::Measured;
+use crate::geometry::{Frame, Ray, Vec3};
 use crate::media::Picture;
 use crate::optics::interface::{beer_lambert, fresnel, reflect, refract_with};
-use crate::optics::plate::{Class, PlateError, SlitMirrorPlate, pass_ideal};
+use crate::optics::plate::{Class, LuminanceTable, PlateError, SlitMirrorPlate, pass_ideal};
 use crate::scene::model::PlateModel;
 use crate::transport::{Action, Matter, Setup, Step, Walk};
 
@@ -14,6 +15,8 @@ pub enum Plate {
     Ideal,
     /// Slit mirrors, light by light.
     SlitMirror(Box<SlitMirrorPlate>),
+    /// Either, its image as bright as it was measured.
+    Measured(Box<Measured>),
 }
 
 impl Plate {
@@ -27,15 +30,66 @@ impl Plate {
             PlateModel::SlitMirror(parameters) => Self::from(SlitMirrorPlate::new(*parameters)?),
         })
     }
+
+    /// Luminance of the mid-air image over the display's, for light that leaves the plate along a unit vector in the
+    /// plate's frame, averaged over the lattice.
+    pub fn efficiency(&self, direction: Vec3) -> f64 {
+        match self {
+            Self::Ideal => 1.0,
+            Self::SlitMirror(plate) => plate.efficiency(direction),
+            Self::Measured(measured) => measured.efficiency(direction),
+        }
+    }
+
+    /// Through a plate at `frame`: how, the ray behind it, and the share of light left. `None`: it is lost.
+    #[inline]
+    fn pass(&self, frame: &Frame, ray: &Ray, crossing: Vec3) -> Option<(Class, Ray, [f64; 3])> {
+        match self {
+            Self::Ideal => {
+                let direction = pass_ideal(ray.direction, frame.normal());
+                Some((Class::Real, Ray { origin: crossing, direction }, [1.0; 3]))
+            }
+            Self::SlitMirror(plate) => {
+                let point = frame.to_local(crossing);
+                let passage = plate.pass(point, frame.to_local_direction(ray.direction))?;
+                let behind = Ray {
+                    origin: frame.to_world(passage.exit_point),
+                    direction: frame.to_world_direction(passage.direction),
+                };
+                Some((passage.class, behind, passage.weight))
+            }
+            Self::Measured(measured) => {
+                let (class, behind, mut weight) = measured.model.pass(frame, ray, crossing)?;
+                if class == Class::Real {
+                    // Light goes the other way than the path.
+                    let towards_viewer = frame.to_local_direction(-ray.direction);
+                    attenuate(&mut weight, [measured.correction(towards_viewer); 3]);
+                }
+                Some((class, behind, weight))
+            }
+        }
+    }
 }
 
 impl Plate {
-    /// Share of the light along a unit vector in the plate's frame (either way) that forms the mid-air image, by linear
-    /// R, G, B, averaged over the lattice.
+    /// Share of the light that leaves the plate along a unit vector in its frame, from the display, that forms the mid-air
+    /// image: by linear R, G, B, averaged over the lattice.
     pub fn real_share(&self, direction: Vec3) -> [f64; 3] {
         match self {
             Self::Ideal => [1.0; 3],
             Self::SlitMirror(plate) => plate.shares(direction).real,
+            Self::Measured(measured) => {
+                let correction = measured.correction(direction);
+                measured.model.real_share(direction).map(|share| share * correction)
+            }
+        }
+    }
+
+    /// The plate with its image as bright as a table says, if there is one; frames are the set-up's.
+    pub fn with_luminance(self, table: Option<&LuminanceTable>, setup: &Setup) -> Self {
+        match table {
+            Some(table) => Self::Measured(Box::new(Measured::new(self, table.clone(), setup))),
+            None => self,
         }
     }
 }
@@ -117,7 +171,8 @@ impl Stage<'_> {
                     if !at.iter().all(|c| (0.0..=1.0).contains(c)) {
                         return None;
                     }
-                    let (how, behind, weight) = self.pass(&walk.ray, point)?;
+                    let (how, behind, weight) =
+                        self.plate.pass(&setup.plate.frame, &walk.ray, point)?;
                     attenuate(&mut light, weight);
                     class = Some(how);
                     walk.leave_plate(behind);
@@ -167,27 +222,6 @@ impl Stage<'_> {
             direction: element.frame.to_world_direction(direction),
         };
         setup.take(walk, step, ray);
-    }
-
-    /// Through the plate: how, the ray behind it, and the share of light left. `None`: it is lost.
-    #[inline]
-    fn pass(&self, ray: &Ray, crossing: Vec3) -> Option<(Class, Ray, [f64; 3])> {
-        let frame = &self.setup.plate.frame;
-        match self.plate {
-            Plate::Ideal => {
-                let direction = pass_ideal(ray.direction, frame.normal());
-                Some((Class::Real, Ray { origin: crossing, direction }, [1.0; 3]))
-            }
-            Plate::SlitMirror(plate) => {
-                let point = frame.to_local(crossing);
-                let passage = plate.pass(point, frame.to_local_direction(ray.direction))?;
-                let behind = Ray {
-                    origin: frame.to_world(passage.exit_point),
-                    direction: frame.to_world_direction(passage.direction),
-                };
-                Some((passage.class, behind, passage.weight))
-            }
-        }
     }
 }
 

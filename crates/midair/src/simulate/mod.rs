@@ -10,6 +10,7 @@ mod film;
 mod gain;
 mod lens;
 mod light;
+mod measured;
 mod render;
 #[cfg(test)]
 mod tests;
@@ -21,4 +22,5 @@ pub use film::{ErrorEstimate, Layers, Light, Render};
 pub use gain::gain;
 pub use lens::Viewer;
 pub use light::Plate;
+pub use measured::Measured;
 pub use render::{Progress, Settings, SimulateError, Watch, render, render_with_dispersion};

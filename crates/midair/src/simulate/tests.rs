@@ -427,3 +427,43 @@ fn the_gain_is_what_light_by_light_is_left() {
         }
     }
 }
+
+#[test]
+fn a_measured_table_gives_the_image_its_brightness() {
+    let setup = furnace(60.0, vec![]);
+    let csv = "azimuth,elevation,value\n-9,-9,1\n9,-9,2\n-9,9,3\n9,9,4\n";
+    let table = crate::optics::plate::LuminanceTable::from_csv(
+        csv.as_bytes(),
+        std::path::Path::new("bench.csv"),
+    )
+    .unwrap();
+    let viewer = pinhole(&setup, [16, 16]);
+    let model = fine([0.9; 3], [0.0; 3]);
+    for (plate, efficiency) in [
+        (Plate::Ideal, 1.0),
+        // The table is brightest at 9 degrees to the right and upwards.
+        (Plate::from(model.clone()), {
+            let d = crate::optics::plate::viewing_direction([9.0, 9.0]);
+            model.efficiency(setup.plate.frame.to_local_direction(d))
+        }),
+    ] {
+        let without = shoot(&setup, &plate, &white(), &viewer, 256);
+        let measured = Plate::Measured(Box::new(Measured::new(plate, table.clone(), &setup)));
+        let got = shoot(&setup, &measured, &white(), &viewer, 256);
+        for (x, y) in [(2, 13), (13, 2), (8, 8)] {
+            let ray = viewer.camera.ray(&setup, f64::from(x) + 0.5, f64::from(y) + 0.5);
+            // The image's frame is the world's here.
+            let [a, e] = crate::optics::plate::viewing_angles(-ray.direction);
+            let expected = (2.5 + a / 18.0 + e / 9.0) / 4.0 * efficiency;
+            let pixel = got.layers.real.pixels[y as usize * 16 + x as usize];
+            // 256 paths, most of which are real: their share is sure to 3 %, and 5 of that.
+            assert!((f64::from(pixel[1]) / expected - 1.0).abs() < 0.15, "{pixel:?} {expected}");
+        }
+        // All pixels together are 16 times as sure; the table rises linearly, so its middle is the mean.
+        let expected = 2.5 / 4.0 * efficiency;
+        let seen = mean(&got.layers.real)[1];
+        assert!((seen / expected - 1.0).abs() < 0.01, "{seen} {expected}");
+        assert_eq!(got.layers.stray, without.layers.stray);
+        assert_eq!(got.layers.through, without.layers.through);
+    }
+}

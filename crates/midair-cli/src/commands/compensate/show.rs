@@ -52,6 +52,7 @@ pub fn gains(loaded: &Loaded, solutions: &Solutions) -> Result<Vec<Gain>, Failur
     let plate = Plate::new(&loaded.scene.plate.model).map_err(|error| {
         Failure::new(error.to_string(), "change that value in the scene's [plate]")
     })?;
+    let plate = plate.with_luminance(loaded.luminance.as_ref(), &solutions.main().setup);
     Ok(solutions.0.iter().map(|solved| gain(&solved.setup, &plate, &solved.map)).collect())
 }
 

@@ -1,6 +1,7 @@
 //! The view with light followed by chance: a pupil, the plate's micro-structure, all reflections.
 
 use super::Shot;
+use crate::arguments::length;
 use crate::failure::Failure;
 use crate::output::{INTERRUPTED, Output, stop_on_interrupt};
 use crate::progress::Bar;
@@ -103,14 +104,6 @@ impl FromStr for Brightness {
     }
 }
 
-/// A length on the command line, mm.
-fn length(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if (0.0..=1e6).contains(&value) => Ok(value),
-        _ => Err("give a length from 0 to 1000000 mm".to_owned()),
-    }
-}
-
 pub fn run(options: &Options, shot: Shot, voice: Voice) -> Result<ExitCode, Failure> {
     let Shot { loaded, setup, still, camera, mut outputs, notes } = shot;
     let model = match (options.plate, loaded.scene.plate.model) {
@@ -123,6 +116,9 @@ pub fn run(options: &Options, shot: Shot, voice: Voice) -> Result<ExitCode, Fail
     let plate = Plate::new(&model).map_err(|error| {
         Failure::new(error.to_string(), "change the scene's plate, or ask for --plate ideal")
     })?;
+    // A measurement is of the scene's own plate.
+    let table = loaded.luminance.as_ref().filter(|_| options.plate != Some(Model::Ideal));
+    let plate = plate.with_luminance(table, &setup);
     let viewer = Viewer { camera, aperture: options.aperture.unwrap_or(0.0), focus: options.focus };
     let default = Settings::default();
     let settings = Settings {
@@ -325,14 +321,6 @@ mod tests {
         assert_eq!("2.5".parse(), Ok(Brightness(Exposure::Fixed(2.5))));
         for wrong in ["", "Auto", "0", "-1", "nan", "inf", "1e9"] {
             assert!(wrong.parse::<Brightness>().is_err(), "{wrong}");
-        }
-    }
-
-    #[test]
-    fn lengths_are_read_and_typos_refused() {
-        assert_eq!(length("0"), Ok(0.0));
-        for wrong in ["", "-1", "nan", "inf", "4mm", "1e9"] {
-            assert!(length(wrong).is_err(), "{wrong}");
         }
     }
 }

@@ -185,6 +185,18 @@ impl LuminanceTable {
         Some((1.0 - t) * row(j) + t * row(j + 1))
     }
 
+    /// Azimuth and elevation of the largest value, degrees; the first of several.
+    pub fn brightest(&self) -> [f64; 2] {
+        let mut best = 0;
+        for (slot, &value) in self.value.iter().enumerate() {
+            if value > self.value[best] {
+                best = slot;
+            }
+        }
+        let width = self.azimuth.len();
+        [self.azimuth[best % width], self.elevation[best / width]]
+    }
+
     /// [`Self::value`] over the largest value in the table: a relative efficiency from 0 to 1.
     ///
     /// 0 everywhere for a table of zeros.
@@ -264,6 +276,7 @@ mod tests {
         }
         assert_eq!(table.value([30.0, 60.0]), Some(bilinear(30.0, 60.0)));
         let most = bilinear(30.0, 60.0);
+        assert_eq!(table.brightest(), [30.0, 60.0]);
         assert_eq!(table.relative([30.0, 60.0]), Some(1.0));
         let middle = table.relative([0.0, 0.0]).unwrap();
         assert!((middle - bilinear(0.0, 0.0) / most).abs() < 1e-15);

@@ -11,6 +11,5 @@ pub mod slit_mirror;
 
 pub use ideal::pass_ideal;
 pub use luminance_table::{LuminanceTable, LuminanceTableError, viewing_angles, viewing_direction};
-pub use shares::Shares;
-pub(crate) use shares::luminance;
+pub use shares::{Shares, luminance};
 pub use slit_mirror::{Class, Passage, PlateError, SlitMirror, SlitMirrorPlate};

@@ -19,7 +19,7 @@ pub struct Shares {
 }
 
 /// Luminance of linear R, G, B (the weights of Rec. ITU-R BT.709).
-pub(crate) fn luminance([r, g, b]: [f64; 3]) -> f64 {
+pub fn luminance([r, g, b]: [f64; 3]) -> f64 {
     0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 

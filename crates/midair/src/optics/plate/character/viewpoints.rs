@@ -128,18 +128,45 @@ impl Viewpoints {
         let width = self.azimuth.len();
         let (brightest, &luminance) =
             self.luminance.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
-        if luminance <= 0.0 {
-            return None;
+        (luminance > 0.0).then(|| self.range_about(brightest % width, brightest / width))
+    }
+
+    /// As [`Self::visible_range`], about the brightest viewpoint of the lobe that a viewer is in: the one that is reached
+    /// from its azimuth and elevation (degrees) by going to the brightest neighbour, as long as there is a brighter one.
+    pub fn visible_range_from(&self, viewer: [f64; 2]) -> Option<VisibleRange> {
+        let nearest = |axis: &[f64], to: f64| {
+            let off = |&i: &usize| (axis[i] - to).abs();
+            (0..axis.len()).min_by(|a, b| off(a).total_cmp(&off(b)))
+        };
+        let (width, height) = (self.azimuth.len(), self.elevation.len());
+        let mut at = (nearest(&self.azimuth, viewer[0])?, nearest(&self.elevation, viewer[1])?);
+        let seen = |(i, j): (usize, usize)| self.luminance[j * width + i];
+        loop {
+            let columns = at.0.saturating_sub(1)..=(at.0 + 1).min(width - 1);
+            let rows = at.1.saturating_sub(1)..=(at.1 + 1).min(height - 1);
+            let around = columns.flat_map(|i| rows.clone().map(move |j| (i, j)));
+            let best =
+                around.fold(at, |best, next| if seen(next) > seen(best) { next } else { best });
+            if best == at {
+                break;
+            }
+            at = best;
         }
-        let (i, j) = (brightest % width, brightest / width);
+        (seen(at) > 0.0).then(|| self.range_about(at.0, at.1))
+    }
+
+    /// The range about a viewpoint of the grid.
+    fn range_about(&self, i: usize, j: usize) -> VisibleRange {
+        let width = self.azimuth.len();
+        let luminance = self.luminance[j * width + i];
         let column: Vec<f64> = self.luminance.iter().skip(i).step_by(width).copied().collect();
         let row = &self.luminance[j * width..(j + 1) * width];
-        Some(VisibleRange {
+        VisibleRange {
             brightest: [self.azimuth[i], self.elevation[j]],
             luminance,
             azimuth: above_half(&self.azimuth, row, i),
             elevation: above_half(&self.elevation, &column, j),
-        })
+        }
     }
 }
 
@@ -277,6 +304,16 @@ pub(super) mod tests {
         assert_eq!((range.azimuth.to, range.azimuth.cut), (6.0, [false, true]));
         assert!((range.elevation.from - (-2.0 - 0.5 / 0.09)).abs() < 1e-12);
         assert!((range.elevation.to - (-2.0 + 0.5 / 0.09)).abs() < 1e-12);
+        // Two hills: each viewer finds the own one.
+        let hills =
+            |a: f64| (1.0 - 0.2 * (a + 6.0).abs()).max(0.8 - 0.2 * (a - 4.0).abs()).max(0.0);
+        let azimuth: Vec<f64> = (-10..=10).map(f64::from).collect();
+        let luminance = [azimuth.as_slice(); 2].concat().into_iter().map(hills).collect();
+        let two = Viewpoints { azimuth, elevation: vec![0.0, 1.0], luminance };
+        assert_eq!(two.visible_range_from([2.2, 0.0]).unwrap().brightest, [4.0, 0.0]);
+        assert_eq!(two.visible_range_from([-2.0, 1.0]).unwrap().brightest[0], -6.0);
+        assert_eq!(two.visible_range_from([90.0, 0.0]), None);
+        assert_eq!(two.visible_range().unwrap().brightest[0], -6.0);
         let dark = Viewpoints {
             azimuth: vec![0.0, 1.0],
             elevation: vec![0.0, 1.0],
