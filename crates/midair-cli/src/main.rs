@@ -7,6 +7,7 @@ mod arguments;
 mod commands;
 mod facts;
 mod failure;
+mod lattice_picture;
 mod lettering;
 mod output;
 mod progress;

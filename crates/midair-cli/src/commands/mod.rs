@@ -4,7 +4,9 @@ mod check;
 mod compensate;
 mod completions;
 mod demo;
+mod evaluate;
 mod man;
+mod measure;
 mod report;
 mod schema;
 mod view;
@@ -40,6 +42,8 @@ enum Command {
     View(view::Arguments),
     Check(check::Arguments),
     Report(report::Arguments),
+    Measure(measure::Arguments),
+    Evaluate(evaluate::Arguments),
     Schema(schema::Arguments),
     Completions(completions::Arguments),
     Man(man::Arguments),
@@ -54,6 +58,8 @@ pub fn run(program: Program) -> Result<(), Failure> {
         Command::View(arguments) => view::run(&arguments, voice),
         Command::Check(arguments) => check::run(&arguments, voice),
         Command::Report(arguments) => report::run(&arguments, voice),
+        Command::Measure(arguments) => measure::run(&arguments, voice),
+        Command::Evaluate(arguments) => evaluate::run(&arguments, voice),
         Command::Schema(arguments) => schema::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
         Command::Man(arguments) => man::run(&arguments, voice),

@@ -4,6 +4,8 @@ mod bad_input;
 mod check;
 mod compensate;
 mod delivery;
+mod evaluate;
+mod measure;
 mod proof;
 mod view;
 
