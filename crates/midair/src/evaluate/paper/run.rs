@@ -36,14 +36,14 @@ pub struct Settings {
 }
 
 impl Default for Settings {
-    /// 64 paths a pixel and 128 for the lattice, whose lines are 3 % of the image wide, views of 480 and 240 pixels, a pupil of 20 mm, azimuths from -15 to 15 by 5, and 16.8 pixels to a millimetre, which the
+    /// 32 paths a pixel and 128 for the lattice, whose lines are 3 % of the image wide, views of 384 and 240 pixels, a pupil of 20 mm, azimuths from -15 to 15 by 5, and 16.8 pixels to a millimetre, which the
     /// paper's 78.87 pixels for a slab of 50 mm at 15.8 degrees suggest.
     fn default() -> Self {
         Self {
-            quality_width: 480,
+            quality_width: 384,
             shape_size: 240,
             shape_window: 1.8,
-            samples_per_pixel: 64,
+            samples_per_pixel: 32,
             shape_samples_per_pixel: 128,
             line_width: 0.03,
             aperture: 20.0,
