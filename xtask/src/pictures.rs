@@ -53,6 +53,16 @@ pub fn run() -> Result<()> {
         process::run(&mut report)?;
         strip(&folder, &pictures.join(name))?;
     }
+    let demo = out.path().join("demo");
+    let mut measure = midair();
+    measure.args(["measure", "lattice"]).arg(demo.join("lattice-uncompensated.png"));
+    measure.arg("--against").arg(demo.join("lattice-reference.png"));
+    process::run(measure.arg("--out").arg(out.path().join("measured")))?;
+    let mut smaller = Command::new("ffmpeg");
+    smaller.args(["-y", "-v", "error", "-i"]).arg(out.path().join("measured/lattice.png"));
+    let filter =
+        "scale=640:-1:flags=lanczos,split[x][y];[x]palettegen[p];[y][p]paletteuse=dither=none";
+    process::run(smaller.args(["-vf", filter]).arg(pictures.join("measure.png")))?;
     let mut check = midair();
     check.args(["check", "scenes/paper/cube.toml", "--out"]).arg(pictures.join("check.png"));
     process::run(&mut check)

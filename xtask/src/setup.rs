@@ -1,4 +1,4 @@
-//! What tests need beyond Rust: ffmpeg, and a Python environment with the peers that results are held to.
+//! What tests need beyond Rust: ffmpeg, a Python environment with the peers that results are held to, and LPIPS' weights.
 
 use crate::process;
 use anyhow::{Context, Result, bail};
@@ -21,8 +21,24 @@ pub fn install() -> Result<()> {
         apt_install(&["ffmpeg"])?;
     }
     python_packages(TEST_PACKAGES)?;
-    println!("ffmpeg and the packages of {TEST_PACKAGES} are in place");
+    weights()?;
+    println!("ffmpeg, the packages of {TEST_PACKAGES} and LPIPS' weights are in place");
     Ok(())
+}
+
+/// Gets LPIPS' weights into midair's cache, unless they are there: 64 MB, once.
+pub fn weights() -> Result<()> {
+    let script = "xtask/lpips_weights.py";
+    let asked = |more: &[&str]| {
+        let mut command = Command::new(python());
+        command.arg(script).args(more).current_dir(crate::root());
+        command
+    };
+    if process::succeeds(&mut asked(&["--check"])) {
+        return Ok(());
+    }
+    println!("getting LPIPS' weights");
+    process::run(&mut asked(&[])).context("LPIPS' weights cannot be had")
 }
 
 /// Brings the packages of a requirements file into `.venv`, which is made if it is not there.

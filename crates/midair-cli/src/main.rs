@@ -8,6 +8,7 @@ mod chart_sheet;
 mod commands;
 mod facts;
 mod failure;
+mod lattice_picture;
 mod lettering;
 mod output;
 mod progress;

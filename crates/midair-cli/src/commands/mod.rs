@@ -5,8 +5,10 @@ mod check;
 mod compensate;
 mod completions;
 mod demo;
+mod evaluate;
 mod man;
 mod map;
+mod measure;
 mod plate;
 mod report;
 mod schema;
@@ -47,6 +49,8 @@ enum Command {
     Plate(plate::Arguments),
     Report(report::Arguments),
     Map(map::Arguments),
+    Measure(measure::Arguments),
+    Evaluate(evaluate::Arguments),
     Schema(schema::Arguments),
     Completions(completions::Arguments),
     Man(man::Arguments),
@@ -65,6 +69,8 @@ pub fn run(program: Program) -> Result<ExitCode, Failure> {
         Command::Plate(arguments) => plate::run(&arguments, voice),
         Command::Report(arguments) => report::run(&arguments, voice),
         Command::Map(arguments) => map::run(&arguments, voice),
+        Command::Measure(arguments) => measure::run(&arguments, voice),
+        Command::Evaluate(arguments) => evaluate::run(&arguments, voice),
         Command::Schema(arguments) => schema::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
         Command::Man(arguments) => man::run(&arguments, voice),

@@ -159,11 +159,11 @@ pub fn detect(picture: &Plane, lines: usize) -> Result<Lattice, LatticeError> {
             continue;
         }
         let Some(joined) = join(&nodes, pieces, lines) else { continue };
-        let crossings = joined.crossings();
-        if best.as_ref().is_none_or(|(_, other, _)| crossings > other.crossings()) {
+        let complete = joined.crossings() == lines * lines;
+        if best.as_ref().is_none_or(|(_, other, _)| joined.rank(lines) > other.rank(lines)) {
             best = Some((nodes, joined, sigma));
         }
-        if crossings == lines * lines {
+        if complete {
             break;
         }
     }

@@ -21,8 +21,21 @@ impl Joined {
     }
 }
 
+impl Joined {
+    /// What makes one search better than another: that all lines are there, then the largest piece, where names
+    /// are without doubt, then the rest.
+    pub fn rank(&self, lines: usize) -> (bool, usize, usize) {
+        let largest = self.pieces.first().map_or(0, |piece| piece.cells.len());
+        ((self.columns, self.rows) == (lines, lines), largest, self.crossings())
+    }
+}
+
 /// A piece is not joined across more than this many cells beyond where a whole lattice would have it.
 const FURTHEST: f64 = 1.2;
+/// Crossings nearer to one another than this share of a step are one crossing seen twice.
+const SAME: f64 = 0.3;
+/// Steps near the cut agree with those beyond it to this share of one (root mean square).
+const STEADY: f64 = 0.3;
 /// The next best way of joining must be off by this many times more.
 const CLEARLY: f64 = 2.0;
 
@@ -143,9 +156,10 @@ fn jump(
     }
     let mut normal = [[0.0; 4]; 4];
     let mut right = [[0.0; 4]; 2];
-    for (cell, node, away, [a, b]) in all {
-        let weight = (closest / away).powi(4);
-        let terms = [f64::from(cell[0]), f64::from(cell[1]), a, b];
+    let weight = |away: f64| (closest / away).powi(4);
+    let terms = |cell: [i32; 2], [a, b]: [f64; 2]| [f64::from(cell[0]), f64::from(cell[1]), a, b];
+    for &(cell, node, away, side) in &all {
+        let (weight, terms) = (weight(away), terms(cell, side));
         for row in 0..4 {
             for column in 0..4 {
                 normal[row][column] += weight * terms[row] * terms[column];
@@ -156,6 +170,17 @@ fn jump(
         }
     }
     let [x, y] = [solve(normal, right[0])?, solve(normal, right[1])?];
+    let step = x[0].hypot(y[0]).min(x[1].hypot(y[1]));
+    let (mut squares, mut weights) = (0.0, 0.0);
+    for &(cell, node, away, side) in &all {
+        let terms = terms(cell, side);
+        let along = |x: [f64; 4]| x.iter().zip(terms).map(|(a, b)| a * b).sum::<f64>();
+        squares += weight(away) * distance([along(x), along(y)], at(node)).powi(2);
+        weights += weight(away);
+    }
+    if !(closest >= SAME * step && (squares / weights).sqrt() <= STEADY * step) {
+        return None;
+    }
     // A (dc, dr) = origin there - origin here.
     let (dx, dy) = (x[3] - x[2], y[3] - y[2]);
     let determinant = x[0] * y[1] - x[1] * y[0];
@@ -275,6 +300,15 @@ mod tests {
         assert!(is_whole(&join(&nodes, pieces, 7).unwrap()));
         let of = |c: usize, _| (c < 2).then_some(c);
         let (nodes, pieces) = cut(&[[0.0; 2], [2.0, 0.0]], of);
+        assert_eq!(join(&nodes, pieces, 7).unwrap().left_over, 1);
+        // A second sight of crossings that are there already.
+        let (mut nodes, mut pieces) = cut(&[[0.0; 2]], |c, _| (c < 6).then_some(0));
+        let mut twice = |c: usize, r: usize| {
+            nodes.push(Node { place: [10.0 * c as f64 + 1.0, 10.0 * r as f64], arms: Vec::new() });
+            Placed { node: nodes.len() - 1, arms: [None; 4] }
+        };
+        let cells = [(0, 0), (0, 1)].map(|(c, r)| ((c, r), twice(5, 2 + r))).into_iter().collect();
+        pieces.push(Piece { columns: 1, rows: 2, cells });
         assert_eq!(join(&nodes, pieces, 7).unwrap().left_over, 1);
         // What lies three cells away belongs to something else.
         let (nodes, pieces) = cut(&[[0.0; 2], [30.0, 0.0]], |c, _| Some(usize::from(c >= 5)));

@@ -18,5 +18,5 @@ mod ridge;
 mod tests;
 
 pub use detection::{Lattice, LatticeError, Missing, detect};
-pub use displacement::{Displacement, DisplacementError, displacement};
+pub use displacement::{Alignment, Displacement, DisplacementError, aligned, displacement};
 pub use drawing::{LatticeStyle, LatticeStyleError, draw_lattice};

@@ -1,11 +1,9 @@
-//! The paper's evaluation in the paper's layout: its table 1 (likeness), figure 7 (displacement over
-//! azimuth) and figure 8 (picture strips), its figures beside ours.
-//!
-//! Nothing is measured here: what was measured is set into tables and charts.
+//! The paper's layout: its table 1 (likeness), figure 7 (displacement over azimuth) and figure 8 (picture strips), its figures
+//! beside ours. Nothing is measured here: what was measured is set into tables and charts.
 
 use serde_json::{Value, json};
 
-use super::report::{
+use crate::evaluate::report::{
     Block, Cell, Figure, Image, LineChart, Page, Section, Series, SummaryRow, Table,
 };
 use crate::media::Picture;
@@ -48,8 +46,10 @@ pub struct Shape {
 pub struct ShapeView {
     /// Degrees; 0 is the viewpoint that is compensated for.
     pub azimuth: f64,
-    /// Pixels, with compensation; None when too little of the lattice was found.
+    /// Pixels, compensated for this place; None when too little of the lattice was found.
     pub with: Option<f64>,
+    /// Pixels, with the compensation for azimuth 0 kept.
+    pub kept: Option<f64>,
     /// Pixels, without.
     pub without: Option<f64>,
 }
@@ -215,7 +215,8 @@ pub fn shape_chart(shape: &Shape) -> LineChart {
         x_label: "camera azimuth, degrees".to_owned(),
         y_label: "mean displacement, pixels".to_owned(),
         series: vec![
-            series("with compensation", |view| view.with),
+            series("compensated", |view| view.with),
+            series("for 0° only", |view| view.kept),
             series("without", |view| view.without),
         ],
     }
@@ -224,30 +225,38 @@ pub fn shape_chart(shape: &Shape) -> LineChart {
 /// Figure 7's numbers: a row for each azimuth, then means and the paper's.
 pub fn shape_table(shape: &Shape) -> Table {
     let heading = |name: &str| (name.to_owned(), 1);
-    let row = |name: String, with: Option<f64>, without: Option<f64>| -> Vec<Cell> {
-        let [a, b] = pair(with, without, false, 2);
-        vec![Cell::text(name), a, b]
+    let row = |name: String, values: [Option<f64>; 3]| -> Vec<Cell> {
+        let least = values.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+        let cell = |value: Option<f64>| {
+            let cell = Cell::number(value, 2);
+            if value == Some(least) { cell.best() } else { cell }
+        };
+        std::iter::once(Cell::text(name)).chain(values.map(cell)).collect()
     };
+    let all = |view: &ShapeView| [view.with, view.kept, view.without];
     let views = &shape.views;
-    let mut foot = vec![row(
-        "Mean".to_owned(),
-        mean(views.iter().map(|view| view.with)),
-        mean(views.iter().map(|view| view.without)),
-    )];
+    let means = [0, 1, 2].map(|condition| mean(views.iter().map(|view| all(view)[condition])));
+    let mut foot = vec![row("Mean".to_owned(), means)];
     if let Some(paper) = published(&PUBLISHED_DISPLACEMENT, &shape.surface) {
-        foot.push(row("The paper, photographed".to_owned(), Some(paper.with), Some(paper.without)));
+        let values = [Some(paper.with), None, Some(paper.without)];
+        foot.push(row("The paper, photographed".to_owned(), values));
     }
     Table {
         caption: format!(
-            "{}: mean displacement of the lattice's intersections, pixels",
+            "{}: mean displacement of the lattice's intersections, pixels of the camera",
             shape.surface
         ),
-        head: vec![vec![heading("Azimuth"), heading("with"), heading("without")]],
+        head: vec![vec![
+            heading("Azimuth"),
+            heading("compensated"),
+            heading("for 0° only"),
+            heading("without"),
+        ]],
         rows: views
             .iter()
             .map(|view| {
                 let name = Cell::number(Some(view.azimuth), 0).text;
-                row(format!("{name}°"), view.with, view.without)
+                row(format!("{name}°"), all(view))
             })
             .collect(),
         foot,
@@ -302,6 +311,8 @@ pub struct Evaluation {
     pub assumptions: Vec<String>,
     /// Where ours differ from the paper's, and why.
     pub differences: Vec<String>,
+    /// What could not be measured, and why.
+    pub notes: Vec<String>,
     /// What made the page.
     pub colophon: String,
 }
@@ -363,6 +374,7 @@ impl Evaluation {
         };
         section("Assumptions", notes(&self.assumptions));
         section("Where this differs from the paper", notes(&self.differences));
+        section("Not measured", notes(&self.notes));
         Page {
             title: "The paper’s evaluation, simulated".to_owned(),
             lead: "What the viewer sees with and without compensation, beside the paper’s figures."
@@ -387,10 +399,38 @@ impl Evaluation {
             })
         });
         let shapes = self.shapes.iter().map(|shape| {
-            let views = shape.views.iter().map(
-                |view| json!({"azimuth": view.azimuth, "with": view.with, "without": view.without}),
-            );
-            json!({"surface": shape.surface, "views": views.collect::<Vec<_>>()})
+            let views = shape.views.iter().map(|view| {
+                json!({
+                    "azimuth": view.azimuth, "with": view.with, "kept": view.kept,
+                    "without": view.without
+                })
+            });
+            let means = [|v: &ShapeView| v.with, |v: &ShapeView| v.kept, |v: &ShapeView| v.without]
+                .map(|of| mean(shape.views.iter().map(of)));
+            json!({
+                "surface": shape.surface, "views": views.collect::<Vec<_>>(),
+                "mean": {"with": means[0], "kept": means[1], "without": means[2]}
+            })
+        });
+        let means = surfaces(&self.quality).into_iter().map(|surface| {
+            let rows = || self.quality.iter().filter(|row| row.surface == surface);
+            let measures = MEASURES.iter().zip(["ssim", "lpips", "blurred_ssim"]);
+            let of = measures.map(|((_, of, more), key)| {
+                let (with, without) = (
+                    mean(rows().map(|row| of(&row.with))),
+                    mean(rows().map(|row| of(&row.without))),
+                );
+                let wins = |who: Winner| {
+                    rows().filter(|r| winner(of(&r.with), of(&r.without), *more) == who).count()
+                };
+                let found = json!({
+                    "with": with, "without": without,
+                    "better_with": wins(Winner::With), "better_without": wins(Winner::Without)
+                });
+                (key.to_owned(), found)
+            });
+            let of: serde_json::Map<String, Value> = of.collect();
+            json!({"surface": surface, "images": rows().count(), "mean": of})
         });
         let published_quality = PUBLISHED_QUALITY.iter().map(|one| {
             json!({
@@ -402,6 +442,7 @@ impl Evaluation {
             .map(|one| json!({"surface": one.surface, "with": one.with, "without": one.without}));
         json!({
             "quality": quality.collect::<Vec<_>>(),
+            "means": means.collect::<Vec<_>>(),
             "shapes": shapes.collect::<Vec<_>>(),
             "published": {
                 "quality": published_quality.collect::<Vec<_>>(),
@@ -409,6 +450,7 @@ impl Evaluation {
             },
             "assumptions": self.assumptions,
             "differences": self.differences,
+            "notes": self.notes,
         })
     }
 }
@@ -465,16 +507,16 @@ mod tests {
         let shape = Shape {
             surface: "Bent-mirror".to_owned(),
             views: vec![
-                ShapeView { azimuth: -5.0, with: Some(1.0), without: Some(3.0) },
-                ShapeView { azimuth: 0.0, with: None, without: Some(5.0) },
+                ShapeView { azimuth: -5.0, with: Some(1.0), kept: Some(2.0), without: Some(3.0) },
+                ShapeView { azimuth: 0.0, with: None, kept: None, without: Some(5.0) },
             ],
         };
         let chart = shape_chart(&shape);
-        assert!(chart.series[0].points[1][1].is_nan() && chart.series[1].points[1] == [0.0, 5.0]);
+        assert!(chart.series[0].points[1][1].is_nan() && chart.series[2].points[1] == [0.0, 5.0]);
         let table = shape_table(&shape);
-        assert_eq!(texts(&table.rows[0]), ["−5°", "*1.00", "3.00"]);
-        assert_eq!(texts(&table.foot[0]), ["Mean", "*1.00", "4.00"]);
-        assert_eq!(texts(&table.foot[1]), ["The paper, photographed", "*30.53", "138.68"]);
+        assert_eq!(texts(&table.rows[0]), ["−5°", "*1.00", "2.00", "3.00"]);
+        assert_eq!(texts(&table.foot[0]), ["Mean", "*1.00", "2.00", "4.00"]);
+        assert_eq!(texts(&table.foot[1]), ["The paper, photographed", "*30.53", "–", "138.68"]);
     }
 
     #[test]

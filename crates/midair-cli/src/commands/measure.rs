@@ -1,0 +1,311 @@
+//! `midair measure`: what a photograph of the real thing shows.
+
+use crate::arguments::open_picture;
+use crate::failure::Failure;
+use crate::lattice_picture;
+use crate::output::Output;
+use crate::summary::{Voice, number, paths, wrote};
+use clap::{Subcommand, ValueEnum};
+use midair::evaluate::Plane;
+use midair::evaluate::lattice::{
+    Alignment, Displacement, Lattice, LatticeError, aligned, detect, displacement,
+};
+use midair::map::format::write_bytes_atomically;
+use midair::media::{Depth, Picture, write_still};
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+/// Measure photographs of a set-up
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  midair measure lattice photo.jpg --out measured")]
+pub struct Arguments {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Debug, Subcommand)]
+enum What {
+    Lattice(LatticeArguments),
+}
+
+/// Find the intersections of a lattice in a photograph, to a fraction of a pixel
+///
+/// The lattice may be turned by up to 45 degrees, seen in perspective, bent, unevenly lit, and cut by an edge of the object. Places are in
+/// pixels from the photograph's top left corner, x right and y down; the first pixel's centre is (0.5, 0.5).
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  midair measure lattice photo.jpg --out measured\n  \
+    midair measure lattice with-object.jpg --against without-object.jpg --out measured")]
+pub struct LatticeArguments {
+    /// Photograph: PNG, JPEG or OpenEXR
+    photo: PathBuf,
+    /// Folder for lattice.json, lattice.csv and lattice.png, the photograph with what was found drawn into it
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Lines of the lattice in each direction
+    #[arg(long, value_name = "N", default_value = "7", value_parser = clap::value_parser!(u16).range(2..=40))]
+    lines: u16,
+    /// The lines are darker than their ground
+    #[arg(long)]
+    dark: bool,
+    /// Photograph of where the intersections belong: tells how far each is from there
+    #[arg(long, value_name = "PHOTO")]
+    against: Option<PathBuf>,
+    /// What is taken off first, if the camera moved between the photographs
+    #[arg(long, value_enum, default_value_t, requires = "against")]
+    align: Align,
+}
+
+/// See [`Alignment`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum Align {
+    /// Nothing: the camera stood still
+    #[default]
+    None,
+    /// The mean shift
+    Shift,
+    /// Shift, turn and size
+    Similarity,
+}
+
+impl Align {
+    fn alignment(self) -> Alignment {
+        match self {
+            Self::None => Alignment::None,
+            Self::Shift => Alignment::Shift,
+            Self::Similarity => Alignment::Similarity,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Shift => "shift",
+            Self::Similarity => "similarity",
+        }
+    }
+}
+
+pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
+    match &arguments.what {
+        What::Lattice(arguments) => lattice(arguments, voice),
+    }
+}
+
+/// A photograph and what was found in it.
+struct Measured {
+    picture: Picture,
+    lattice: Lattice,
+}
+
+fn measured(
+    path: &Path,
+    arguments: &LatticeArguments,
+    notes: &mut Vec<String>,
+) -> Result<Measured, Failure> {
+    let picture = open_picture(path, notes)?.picture;
+    let plane = Plane::luminance(&picture);
+    let plane = if arguments.dark { plane.inverted() } else { plane };
+    let lines = usize::from(arguments.lines);
+    let lattice = detect(&plane, lines).map_err(|error| not_found(path, &error, arguments.dark))?;
+    Ok(Measured { picture, lattice })
+}
+
+fn not_found(path: &Path, error: &LatticeError, dark: bool) -> Failure {
+    let help = match error {
+        LatticeError::NoLattice if dark => {
+            "leave --dark out if the lines are brighter than their ground; crop the photograph to the lattice"
+        }
+        LatticeError::NoLattice => {
+            "with --dark lines darker than their ground are looked for; crop the photograph to the lattice; \
+             expose so that the lines are not black"
+        }
+        LatticeError::Partial { .. } => {
+            "crop the photograph to the lattice with some ground around it, focus on it, keep reflections out; \
+             --lines says how many lines there are"
+        }
+        LatticeError::TooMany { .. } => {
+            "crop the photograph to the lattice; --lines says how many lines there are"
+        }
+        LatticeError::TooSmall { .. } => "give a larger photograph, or a smaller --lines",
+        LatticeError::TooFewLines { .. } => "give --lines 2 or more",
+        LatticeError::NotFinite { .. } => "export the photograph again",
+    };
+    Failure::new(format!("{}: {error}", path.display()), help)
+}
+
+fn lattice(arguments: &LatticeArguments, voice: Voice) -> Result<(), Failure> {
+    let mut notes = Vec::new();
+    let seen = measured(&arguments.photo, arguments, &mut notes)?;
+    let points = seen.lattice.points();
+    let against = match &arguments.against {
+        Some(path) => {
+            let reference = measured(path, arguments, &mut notes)?;
+            let size = |m: &Measured| [m.picture.width, m.picture.height];
+            let [theirs, ours] = [size(&reference), size(&seen)];
+            if theirs != ours && arguments.align != Align::Similarity {
+                return Err(Failure::new(
+                    format!(
+                        "{} has {} x {} pixels, {} has {} x {}: displacements between them would mean nothing",
+                        arguments.photo.display(),
+                        ours[0],
+                        ours[1],
+                        path.display(),
+                        theirs[0],
+                        theirs[1]
+                    ),
+                    "give photographs of one size, or --align similarity",
+                ));
+            }
+            let belongs = reference.lattice.points();
+            let moved = aligned(&points, &belongs, arguments.align.alignment());
+            let found = displacement(&moved, &belongs).map_err(|error| {
+                Failure::new(error.to_string(), "give two whole photographs of one lattice")
+            })?;
+            Some(Against { belongs, found })
+        }
+        None => None,
+    };
+    let told = told(arguments, &seen, against.as_ref(), &notes);
+    let files = match &arguments.out {
+        Some(folder) => write(folder, arguments, &seen, against.as_ref(), &told)?,
+        None => Vec::new(),
+    };
+    voice.note(&notes);
+    let mut said = lines(&seen.lattice, against.as_ref());
+    if files.is_empty() {
+        said += &csv(arguments.lines, &seen.lattice, against.as_ref());
+    } else {
+        said += &wrote(&files);
+    }
+    let mut told = told;
+    told["files"] = paths(&files);
+    voice.tell(&said, &told)
+}
+
+/// Where intersections belong, and how far they are from there.
+struct Against {
+    belongs: Vec<Option<[f64; 2]>>,
+    found: Displacement,
+}
+
+fn lines(lattice: &Lattice, against: Option<&Against>) -> String {
+    let count = lattice.lines * lattice.lines;
+    let mut lines = format!(
+        "{} of {count} intersections found; lines are {:.1} px wide\n",
+        lattice.found(),
+        lattice.line_width
+    );
+    let mut missing: Vec<(String, usize)> = Vec::new();
+    for why in lattice.intersections.iter().filter_map(|found| found.as_ref().err()) {
+        let why = why.to_string();
+        match missing.iter_mut().find(|(other, _)| *other == why) {
+            Some((_, count)) => *count += 1,
+            None => missing.push((why, 1)),
+        }
+    }
+    for (why, count) in missing {
+        let _ = writeln!(lines, "  {count} missing: {why}");
+    }
+    if let Some(Against { found, .. }) = against {
+        let _ = writeln!(
+            lines,
+            "displacement of the {} in both: mean {:.3} px, max {:.3} px",
+            found.compared(),
+            found.mean,
+            found.max
+        );
+    }
+    lines
+}
+
+fn told(
+    arguments: &LatticeArguments,
+    seen: &Measured,
+    against: Option<&Against>,
+    notes: &[String],
+) -> Value {
+    let lattice = &seen.lattice;
+    let lines = lattice.lines;
+    let point = |place: Option<[f64; 2]>| match place {
+        Some([x, y]) => json!([x, y]),
+        None => Value::Null,
+    };
+    let intersections: Vec<Value> = lattice
+        .intersections
+        .iter()
+        .enumerate()
+        .map(|(at, found)| {
+            let mut one = json!({
+                "row": at / lines,
+                "column": at % lines,
+                "place": point(found.as_ref().ok().copied()),
+            });
+            if let Err(why) = found {
+                one["missing"] = json!(why.to_string());
+            }
+            if let Some(against) = against {
+                one["belongs"] = point(against.belongs[at]);
+                one["displacement"] = against.found.points[at].map_or(Value::Null, number);
+            }
+            one
+        })
+        .collect();
+    json!({
+        "midair": env!("CARGO_PKG_VERSION"),
+        "command": "measure lattice",
+        "photo": arguments.photo.display().to_string(),
+        "size": [seen.picture.width, seen.picture.height],
+        "lines": lines,
+        "line_width": lattice.line_width,
+        "found": lattice.found(),
+        "intersections": intersections,
+        "against": against.map(|against| json!({
+            "photo": arguments.against.as_ref().map(|path| path.display().to_string()),
+            "align": arguments.align.name(),
+            "mean": number(against.found.mean),
+            "max": number(against.found.max),
+            "compared": against.found.compared(),
+        })),
+        "notes": notes,
+    })
+}
+
+/// A line for each intersection; what is missing is empty.
+fn csv(lines: u16, lattice: &Lattice, against: Option<&Against>) -> String {
+    let mut out = "row,column,x,y".to_owned();
+    out += if against.is_some() { ",belongs_x,belongs_y,displacement\n" } else { "\n" };
+    let pair = |place: Option<[f64; 2]>| match place {
+        Some([x, y]) => format!("{x:.4},{y:.4}"),
+        None => ",".to_owned(),
+    };
+    let lines = usize::from(lines);
+    for (at, place) in lattice.points().into_iter().enumerate() {
+        let _ = write!(out, "{},{},{}", at / lines, at % lines, pair(place));
+        if let Some(against) = against {
+            let off = against.found.points[at].map(|off| format!("{off:.4}")).unwrap_or_default();
+            let _ = write!(out, ",{},{off}", pair(against.belongs[at]));
+        }
+        out.push('\n');
+    }
+    out
+}
+
+fn write(
+    folder: &Path,
+    arguments: &LatticeArguments,
+    seen: &Measured,
+    against: Option<&Against>,
+    told: &Value,
+) -> Result<Vec<PathBuf>, Failure> {
+    let mut output = Output::into_folder(folder)?;
+    output.write("lattice.json", |path| {
+        write_bytes_atomically(path, format!("{told:#}\n").as_bytes())
+    })?;
+    let table = csv(arguments.lines, &seen.lattice, against);
+    output.write("lattice.csv", |path| write_bytes_atomically(path, table.as_bytes()))?;
+    let belongs = against.map(|against| against.belongs.as_slice());
+    let drawn = lattice_picture::draw(&seen.picture, &seen.lattice, belongs);
+    output.write("lattice.png", |path| write_still(path, &drawn, Depth::Eight))?;
+    output.finish()
+}

@@ -1,0 +1,63 @@
+//! `midair evaluate --paper`, at a handful of paths.
+
+use super::{Bench, waves};
+use midair::media::{Depth, write_still};
+
+#[test]
+fn the_papers_evaluation_is_redone_in_one_report() {
+    let bench = Bench::new();
+    std::fs::create_dir(bench.path("photos")).unwrap();
+    write_still(&bench.path("photos/waves.png"), &waves(90, 90), Depth::Eight).unwrap();
+    bench.write("photos/notes.txt", "not a picture");
+    let arguments = ["evaluate", "--paper", "--images", "photos", "--out", "out", "--quick"];
+    let arguments = [&arguments[..], &["--plate", "ideal", "--spp", "8", "--json"]].concat();
+    let run = |cache: &str| {
+        bench.command(&arguments).env("MIDAIR_CACHE", bench.path(cache)).output().unwrap()
+    };
+    let output = run("empty");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    // Three surfaces; the cube's slab shifts by what the closed form says: 4.7 mm of 16.8 pixels.
+    assert_eq!(told["quality"].as_array().unwrap().len(), 3);
+    let cube = &told["shapes"][0];
+    assert_eq!(cube["surface"], "cube");
+    let without = cube["views"][1]["without"].as_f64().unwrap();
+    assert!((without - 78.9).abs() < 2.0, "{cube}");
+    for one in told["means"].as_array().unwrap() {
+        let blurred = &one["mean"]["blurred_ssim"];
+        assert!(blurred["with"].as_f64() > blurred["without"].as_f64(), "{one}");
+        assert_eq!(blurred["better_with"], 1);
+    }
+    assert_eq!(told["published"]["displacement"][0]["without"], 78.87);
+    // Without weights the report says so and goes on.
+    assert!(told["quality"][0]["with"]["lpips"].is_null());
+    let page = std::fs::read_to_string(bench.path("out/report.html")).unwrap();
+    assert!(page.contains("LPIPS was not computed") && page.contains("lpips_weights.py"));
+    // It stands on its own, and says what it takes for granted and where it differs.
+    assert!(!page.contains("src=\"http") && !page.contains("href=\"http"));
+    for heading in ["Assumptions", "Where this differs from the paper", "Not measured"] {
+        assert!(page.contains(heading), "{heading}");
+    }
+    let names = bench.names("out");
+    assert!(names.contains(&"strip-cylinder-waves.png".to_owned()), "{names:?}");
+    assert!(names.contains(&"lattice-cube-15.png".to_owned()), "{names:?}");
+}
+
+#[test]
+fn a_folder_without_pictures_and_damaged_weights_are_refused() {
+    let bench = Bench::new();
+    std::fs::create_dir_all(bench.path("photos")).unwrap();
+    std::fs::create_dir_all(bench.path("cache/lpips")).unwrap();
+    let arguments = ["evaluate", "--paper", "--images", "photos", "--out", "out"];
+    let said = bench.refuse(&arguments);
+    assert!(said.contains("photos") && said.contains("no picture"), "{said}");
+    write_still(&bench.path("photos/waves.png"), &waves(30, 20), Depth::Eight).unwrap();
+    bench.write("cache/lpips/lpips_alex.safetensors", b"nothing");
+    let output =
+        bench.command(&arguments).env("MIDAIR_CACHE", bench.path("cache")).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("lpips_alex.safetensors") && said.contains("get it again"), "{said}");
+    assert!(!bench.path("out").exists());
+    assert!(bench.refuse(&["evaluate", "--images", "photos", "--out", "out"]).contains("--paper"));
+}

@@ -1,0 +1,297 @@
+//! The two measurements.
+
+use super::stage::{PaperError, Stage, Take};
+use super::tables::{Quality, Scores, Shape, ShapeView};
+use crate::evaluate::lattice::{LatticeStyle, detect, displacement, draw_lattice};
+use crate::evaluate::lpips::Lpips;
+use crate::evaluate::proof::Watch;
+use crate::evaluate::{Plane, blurred_ssim, ssim_over_channels};
+use crate::geometry::{Rectangle, Vec3};
+use crate::media::Picture;
+use crate::scene::Loaded;
+use crate::simulate::tone::exposed;
+use crate::simulate::{Camera, Plate};
+
+/// How an evaluation is rendered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Pixels of a view in a row, where likeness is measured; its height follows from the image's proportions.
+    pub quality_width: usize,
+    /// Pixels of a view along each side, where shape is measured.
+    pub shape_size: usize,
+    /// How much of the image's plane such a view shows (1: the image exactly), so that a displaced lattice stays in sight.
+    pub shape_window: f64,
+    /// Paths through each pixel, where likeness is measured.
+    pub samples_per_pixel: u32,
+    /// Paths through each pixel, where shape is measured: lines that the plate blurs need little noise to be found.
+    pub shape_samples_per_pixel: u32,
+    /// Width of the lattice's lines, as a share of the image's width.
+    pub line_width: f64,
+    /// Diameter of the camera's pupil, mm.
+    pub aperture: f64,
+    /// Azimuths of the camera about the image's centre, degrees; 0 is the scene's viewpoint.
+    pub azimuths: Vec<f64>,
+    /// Pixels of the camera's picture to a millimetre in the image's plane: what a displacement is told in.
+    pub pixels_per_mm: f64,
+}
+
+impl Default for Settings {
+    /// 32 paths a pixel and 128 for the lattice, whose lines are 3 % of the image wide, views of 384 and 240 pixels, a pupil of 20 mm, azimuths from -15 to 15 by 5, and 16.8 pixels to a millimetre, which the
+    /// paper's 78.87 pixels for a slab of 50 mm at 15.8 degrees suggest.
+    fn default() -> Self {
+        Self {
+            quality_width: 384,
+            shape_size: 240,
+            shape_window: 1.8,
+            samples_per_pixel: 32,
+            shape_samples_per_pixel: 128,
+            line_width: 0.03,
+            aperture: 20.0,
+            azimuths: (-3..=3).map(|step| 5.0 * f64::from(step)).collect(),
+            pixels_per_mm: 16.8,
+        }
+    }
+}
+
+/// A surface of the paper.
+#[derive(Clone, Copy, Debug)]
+pub struct Subject<'a> {
+    /// Its name in tables.
+    pub surface: &'a str,
+    /// Its scene.
+    pub scene: &'a Loaded,
+}
+
+/// A picture that is looked at.
+#[derive(Clone, Debug)]
+pub struct Photograph {
+    /// Its name in tables.
+    pub name: String,
+    /// Linear light; what exceeds the image's proportions is cropped evenly at both ends.
+    pub picture: Picture,
+}
+
+/// A row of table 1 with its three views, exposed; linear light.
+#[derive(Clone, Debug)]
+pub struct QualityView {
+    /// The scores.
+    pub row: Quality,
+    /// Without the object.
+    pub reference: Picture,
+    /// With the object, compensated.
+    pub with: Picture,
+    /// With the object, shown as it is.
+    pub without: Picture,
+    /// What light was multiplied by in all three, so that the reference is on average as bright as the photograph.
+    pub exposure: f64,
+}
+
+/// Table 1 for one surface: photographs as they are seen without the object (the reference), with it and compensated, and with it as
+/// they are. `done` gets each row as soon as it is there.
+///
+/// # Errors
+/// [`PaperError`] where a scene cannot be traced or views cannot be compared.
+pub fn quality<E: From<PaperError>>(
+    subject: Subject,
+    photographs: &[Photograph],
+    plate: &Plate,
+    settings: &Settings,
+    lpips: Option<&Lpips>,
+    watch: &dyn Watch,
+    mut done: impl FnMut(QualityView) -> Result<(), E>,
+) -> Result<(), E> {
+    let stage = Stage::new(subject.scene).map_err(PaperError::from)?;
+    let image = stage.image();
+    let compensation = stage.compensation(stage.viewpoint(), 1536)?;
+    let height = (settings.quality_width as f64 * image.size[1] / image.size[0]).round();
+    let camera = Camera {
+        eye: stage.viewpoint(),
+        size: [settings.quality_width, (height as usize).max(1)],
+        window: 1.0,
+        supersampling: 1,
+    };
+    watch.stage(&format!("{}: views", subject.surface), photographs.len());
+    for photograph in photographs {
+        let take = |seed| Take {
+            plate,
+            camera,
+            aperture: settings.aperture,
+            samples_per_pixel: settings.samples_per_pixel,
+            seed,
+        };
+        let picture = cropped(&photograph.picture, image.size[0] / image.size[1]);
+        let as_is = stage.as_is(&picture);
+        let view = |shown, with_object, seed| {
+            stage.view(shown, with_object, take(seed)).map_err(PaperError::from)
+        };
+        let reference = view(&as_is, false, 0)?;
+        let without = view(&as_is, true, 1)?;
+        let with = view(&compensation.shown(&picture), true, 2)?;
+        let exposure = mean_light(&picture) / mean_light(&reference).max(1e-6);
+        let [reference, with, without] =
+            [reference, with, without].map(|view| exposed(&view, exposure));
+        let [with_scores, without_scores] = compare(&reference, [&with, &without], lpips)?;
+        let row = Quality {
+            surface: subject.surface.to_owned(),
+            image: photograph.name.clone(),
+            with: with_scores,
+            without: without_scores,
+        };
+        done(QualityView { row, reference, with, without, exposure })?;
+        watch.advance(1);
+    }
+    Ok(())
+}
+
+/// Both views against the reference.
+fn compare(
+    reference: &Picture,
+    views: [&Picture; 2],
+    lpips: Option<&Lpips>,
+) -> Result<[Scores; 2], PaperError> {
+    let planes = Plane::channels(reference);
+    let features = lpips.map(|lpips| lpips.features(&planes)).transpose()?;
+    let mut scores = [Scores::default(); 2];
+    for (scores, view) in scores.iter_mut().zip(views) {
+        let view = Plane::channels(view);
+        scores.ssim = ssim_over_channels(&view, &planes)?;
+        scores.blurred_ssim = blurred_ssim(&view, &planes)?;
+        if let (Some(lpips), Some(features)) = (lpips, &features) {
+            scores.lpips = Some(lpips.distance(&lpips.features(&view)?, features)?);
+        }
+    }
+    Ok(scores)
+}
+
+fn mean_light(picture: &Picture) -> f64 {
+    let sum: f64 =
+        picture.pixels.iter().map(|&[r, g, b, _]| f64::from(r) + f64::from(g) + f64::from(b)).sum();
+    sum / (3 * picture.pixels.len().max(1)) as f64
+}
+
+/// The largest part of a picture about its middle that has these proportions (width / height).
+pub(super) fn cropped(picture: &Picture, proportions: f64) -> Picture {
+    let (w, h) = (picture.width as f64, picture.height as f64);
+    let width = ((h * proportions).round().min(w) as usize).max(1);
+    let height = ((w / proportions).round().min(h) as usize).max(1);
+    let (left, top) = ((picture.width - width) / 2, (picture.height - height) / 2);
+    let rows = (top..top + height).map(|row| row * picture.width + left);
+    let pixels = rows.flat_map(|at| picture.pixels[at..at + width].iter().copied()).collect();
+    Picture { width, height, pixels }
+}
+
+/// Figure 7 for one surface: the lattice's mean displacement from where it is seen without the object, over the camera's azimuth.
+/// Notes tell why a view could not be measured. `done` gets the views from each azimuth: the reference, compensated, with the compensation for
+/// azimuth 0 kept, and without; a black one where nothing can be formed.
+///
+/// # Errors
+/// [`PaperError`] where the scene cannot be traced. Where nothing of the image is formed from an azimuth, its row is empty.
+pub fn shape<E: From<PaperError>>(
+    subject: Subject,
+    plate: &Plate,
+    settings: &Settings,
+    watch: &dyn Watch,
+    mut done: impl FnMut(f64, [Picture; 4]) -> Result<(), E>,
+) -> Result<(Shape, Vec<String>), E> {
+    let stage = Stage::new(subject.scene).map_err(PaperError::from)?;
+    let image = stage.image();
+    let style = LatticeStyle { line_width: settings.line_width, ..LatticeStyle::default() };
+    let [columns, rows] = [768, (768.0 * image.size[1] / image.size[0]).round() as usize];
+    let drawn = draw_lattice(columns, rows.max(1), &style).map_err(PaperError::from)?;
+    let as_is = stage.as_is(&drawn);
+    let straight = stage.compensation(stage.viewpoint(), 768)?.shown(&drawn);
+    let mut notes = Vec::new();
+    let mut views = Vec::new();
+    watch.stage(&format!("{}: lattice", subject.surface), settings.azimuths.len());
+    for &azimuth in &settings.azimuths {
+        let eye = orbited(stage.viewpoint(), image.frame.origin, azimuth);
+        let camera = Camera {
+            eye,
+            size: [settings.shape_size, settings.shape_size],
+            window: settings.shape_window,
+            supersampling: 1,
+        };
+        let mut points = |shown,
+                          with_object,
+                          condition: &str,
+                          seed|
+         -> Result<(Picture, Points), PaperError> {
+            let take = Take {
+                plate,
+                camera,
+                aperture: settings.aperture,
+                samples_per_pixel: settings.shape_samples_per_pixel,
+                seed,
+            };
+            let view = stage.view(shown, with_object, take)?;
+            let points = match detect(&Plane::luminance(&view), style.lines) {
+                Ok(lattice) => {
+                    let missing = lattice.intersections.len() - lattice.found();
+                    if missing > 0 {
+                        notes.push(format!(
+                            "{}, {azimuth}°, {condition}: {missing} of {} intersections were not found and do not count.",
+                            subject.surface,
+                            lattice.intersections.len()
+                        ));
+                    }
+                    let to_sensor = |[x, y]: [f64; 2]| {
+                        sensor(&image, eye, camera.image_point(x, y), settings.pixels_per_mm)
+                    };
+                    Some(lattice.points().into_iter().map(|p| p.map(to_sensor)).collect())
+                }
+                Err(why) => {
+                    let why = format!("{}, {azimuth}°, {condition}: {why}.", subject.surface);
+                    notes.push(why);
+                    None
+                }
+            };
+            Ok((view, points))
+        };
+        let (seen_reference, reference) = points(&as_is, false, "reference", 0)?;
+        let (seen_without, without) = points(&as_is, true, "without compensation", 1)?;
+        let (seen_kept, kept) = points(&straight, true, "compensated for 0°", 2)?;
+        let (seen_with, with) = match stage.compensation(eye, 768) {
+            Ok(own) => points(&own.shown(&drawn), true, "compensated", 3)?,
+            Err(error @ PaperError::NothingFormed { .. }) => {
+                notes.push(error.to_string());
+                let [width, height] = camera.size;
+                (Picture::filled(width, height, [0.0, 0.0, 0.0, 1.0]), None)
+            }
+            Err(error) => return Err(error.into()),
+        };
+        let off = |seen: &Points| {
+            displacement(seen.as_ref()?, reference.as_ref()?).ok().map(|found| found.mean)
+        };
+        views.push(ShapeView {
+            azimuth,
+            with: off(&with),
+            kept: off(&kept),
+            without: off(&without),
+        });
+        done(azimuth, [seen_reference, seen_with, seen_kept, seen_without])?;
+        watch.advance(1);
+    }
+    Ok((Shape { surface: subject.surface.to_owned(), views }, notes))
+}
+
+/// Intersections in the sensor's pixels, if a lattice was found.
+type Points = Option<Vec<Option<[f64; 2]>>>;
+
+/// The eye carried about the vertical through `centre`, degrees counter-clockwise seen from above.
+pub(super) fn orbited(eye: Vec3, centre: Vec3, azimuth: f64) -> Vec3 {
+    let (sin, cos) = azimuth.to_radians().sin_cos();
+    let from = eye - centre;
+    centre + Vec3::new(cos * from.x + sin * from.z, from.y, cos * from.z - sin * from.x)
+}
+
+/// Where a camera at `eye`, turned to the image's centre, pictures an image point: pixels from its axis, right and down. A
+/// millimetre across the axis at the image's centre is `pixels_per_mm` long.
+pub(super) fn sensor(image: &Rectangle, eye: Vec3, uv: [f64; 2], pixels_per_mm: f64) -> [f64; 2] {
+    let axis = image.frame.origin - eye;
+    let (sight, distance) = (axis.normalized(), axis.squared_length().sqrt());
+    let right = sight.cross(image.frame.axes[1]).normalized();
+    let up = right.cross(sight);
+    let to = image.point(uv) - eye;
+    let scale = pixels_per_mm * distance / to.dot(sight);
+    [scale * to.dot(right), -scale * to.dot(up)]
+}

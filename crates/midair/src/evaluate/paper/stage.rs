@@ -1,0 +1,194 @@
+//! What stands before the camera: with and without the object, shown compensated and as it is.
+
+use crate::evaluate::proof::uncompensated_map;
+use crate::geometry::{Rectangle, Vec3};
+use crate::map::{Accuracy, invert};
+use crate::media::{Picture, display_image};
+use crate::scene::model::{Material, Shape};
+use crate::scene::{Asset, Loaded};
+use crate::simulate::{
+    Camera, Light, Plate, Settings as RenderSettings, SimulateError, Viewer, Watch, render,
+};
+use crate::transport::{End, Path, Setup, SetupError};
+
+/// Why an evaluation cannot be done.
+#[derive(Debug, thiserror::Error)]
+pub enum PaperError {
+    /// A scene cannot be traced.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// A view cannot be rendered.
+    #[error(transparent)]
+    Simulate(#[from] SimulateError),
+    /// The lattice cannot be drawn.
+    #[error(transparent)]
+    Lattice(#[from] crate::evaluate::lattice::LatticeStyleError),
+    /// Views cannot be compared.
+    #[error(transparent)]
+    Similarity(#[from] crate::evaluate::SimilarityError),
+    /// Views cannot be compared by LPIPS.
+    #[error(transparent)]
+    Lpips(#[from] crate::evaluate::lpips::LpipsError),
+    /// No light of the image reaches the eye.
+    #[error("{surface}: no point of the image is formed for an eye at ({x:.0}, {y:.0}, {z:.0}) mm")]
+    NothingFormed {
+        /// The surface.
+        surface: String,
+        /// The eye, mm.
+        x: f64,
+        /// The eye, mm.
+        y: f64,
+        /// The eye, mm.
+        z: f64,
+    },
+}
+
+/// One of the paper's surfaces, ready to be looked at.
+pub(super) struct Stage<'a> {
+    loaded: &'a Loaded,
+    /// The object in its place.
+    object: Setup,
+    /// Without it: solids taken away, bent mirrors made flat, for without a mirror the image could not be seen from there.
+    without: Setup,
+    /// Where a display without compensation stands: the image's own size, where it belongs without the object.
+    as_is: Rectangle,
+}
+
+/// A display in its place, and what it shows.
+pub(super) struct Shown {
+    pub place: Rectangle,
+    pub picture: Picture,
+}
+
+/// How a view is taken.
+#[derive(Clone, Copy)]
+pub(super) struct Take<'a> {
+    pub plate: &'a Plate,
+    pub camera: Camera,
+    /// Diameter of the pupil, mm.
+    pub aperture: f64,
+    pub samples_per_pixel: u32,
+    pub seed: u32,
+}
+
+impl<'a> Stage<'a> {
+    pub fn new(loaded: &'a Loaded) -> Result<Self, SetupError> {
+        let mut flat = loaded.clone();
+        let mirrors = loaded.scene.elements.iter().zip(&loaded.assets);
+        let mirrors = mirrors.filter(|(e, _)| matches!(e.material, Material::Mirror { .. }));
+        (flat.scene.elements, flat.assets) =
+            mirrors.map(|(element, asset)| (element.clone(), asset.clone())).unzip();
+        for (element, asset) in flat.scene.elements.iter_mut().zip(&mut flat.assets) {
+            // No larger: it must not come between plate and display.
+            let size = match element.shape {
+                Shape::CylinderMirror { size, .. } | Shape::HeightField { size, .. } => size,
+                Shape::SphereMirror { diameter, .. } => [diameter; 2],
+                _ => continue,
+            };
+            element.shape = Shape::Plane { size };
+            *asset = Asset::None;
+        }
+        let mut scene = loaded.scene.clone();
+        scene.display.pose = None;
+        scene.display.size = None;
+        Ok(Self {
+            loaded,
+            object: Setup::new(loaded)?,
+            without: Setup::new(&flat)?,
+            as_is: scene.display_rectangle(),
+        })
+    }
+
+    pub fn image(&self) -> Rectangle {
+        self.object.image
+    }
+
+    pub fn viewpoint(&self) -> Vec3 {
+        self.object.viewpoint
+    }
+
+    /// A picture shown as it is.
+    pub fn as_is(&self, picture: &Picture) -> Shown {
+        let mut setup = self.object.clone();
+        setup.display = self.as_is;
+        setup.resolution = [picture.width, picture.height];
+        let map = uncompensated_map(self.loaded, &setup);
+        Shown { place: self.as_is, picture: display_image(picture, &map) }
+    }
+
+    /// What compensates for the object as seen from `eye`, on a display that covers all of the image with `columns` pixels in a row.
+    pub fn compensation(&self, eye: Vec3, columns: usize) -> Result<Compensation, PaperError> {
+        let mut setup = self.object.clone();
+        setup.viewpoint = eye;
+        setup.display = covering(&setup).ok_or_else(|| PaperError::NothingFormed {
+            surface: self.loaded.scene.name.clone(),
+            x: eye.x,
+            y: eye.y,
+            z: eye.z,
+        })?;
+        let [width, height] = setup.display.size;
+        let rows = (columns as f64 * height / width).round();
+        setup.resolution = [columns, (rows as usize).clamp(1, 4 * columns)];
+        let (map, _) = invert(&setup, Accuracy::default());
+        Ok(Compensation { place: setup.display, map })
+    }
+
+    /// The view of what is shown, with the object or without it; linear light.
+    pub fn view(
+        &self,
+        shown: &Shown,
+        with_object: bool,
+        take: Take,
+    ) -> Result<Picture, SimulateError> {
+        let mut setup = if with_object { self.object.clone() } else { self.without.clone() };
+        setup.display = shown.place;
+        setup.resolution = [shown.picture.width, shown.picture.height];
+        let viewer = Viewer { camera: take.camera, aperture: take.aperture, focus: None };
+        let settings =
+            RenderSettings { samples_per_pixel: take.samples_per_pixel, seed: take.seed };
+        let rendered =
+            render(&setup, take.plate, &shown.picture, &viewer, &settings, Watch::default())?;
+        Ok(rendered.view(Light::All))
+    }
+}
+
+/// The map for an eye, and the display that it is for.
+pub(super) struct Compensation {
+    place: Rectangle,
+    map: crate::map::Map,
+}
+
+impl Compensation {
+    pub fn shown(&self, picture: &Picture) -> Shown {
+        Shown { place: self.place, picture: display_image(picture, &self.map) }
+    }
+}
+
+/// Image points along each side that are followed to see how large a display must be.
+const PROBES: usize = 48;
+
+/// The part of the display's plane that the whole image needs, with a little more around.
+fn covering(setup: &Setup) -> Option<Rectangle> {
+    let mut path = Path::new();
+    let mut bounds: Option<([f64; 2], [f64; 2])> = None;
+    for index in 0..(PROBES + 1) * (PROBES + 1) {
+        let uv = [index % (PROBES + 1), index / (PROBES + 1)].map(|i| i as f64 / PROBES as f64);
+        // An edge that a line of sight only grazes throws its light anywhere: not a display for that.
+        if let End::Display { st, through_plate: true } = setup.transport(uv, &mut path)
+            && st.iter().all(|c| (-2.0..=3.0).contains(c))
+        {
+            let (low, high) = bounds.unwrap_or((st, st));
+            bounds = Some((
+                [low[0].min(st[0]), low[1].min(st[1])],
+                [high[0].max(st[0]), high[1].max(st[1])],
+            ));
+        }
+    }
+    let (low, high) = bounds?;
+    let mut display = setup.display;
+    display.frame.origin =
+        setup.display.point([0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])]);
+    // Two per cent on each side, for what lies between the probes.
+    display.size = [0, 1].map(|axis| 1.04 * (high[axis] - low[axis]) * setup.display.size[axis]);
+    display.size.iter().all(|side| *side > 0.0).then_some(display)
+}
