@@ -5,8 +5,11 @@ mod check;
 mod compensate;
 mod completions;
 mod demo;
+mod eyebox;
 mod man;
 mod map;
+mod orbit;
+mod play;
 mod report;
 mod schema;
 mod view;
@@ -40,9 +43,12 @@ enum Command {
     Demo(demo::Arguments),
     Compensate(compensate::Arguments),
     Apply(apply::Arguments),
+    Play(play::Arguments),
     View(view::Arguments),
     Check(check::Arguments),
     Report(report::Arguments),
+    Orbit(orbit::Arguments),
+    Eyebox(eyebox::Arguments),
     Map(map::Arguments),
     Schema(schema::Arguments),
     Completions(completions::Arguments),
@@ -56,9 +62,12 @@ pub fn run(program: Program) -> Result<(), Failure> {
         Command::Demo(arguments) => demo::run(&arguments, voice),
         Command::Compensate(arguments) => compensate::run(&arguments, voice),
         Command::Apply(arguments) => apply::run(&arguments, voice),
+        Command::Play(arguments) => play::run(&arguments, voice),
         Command::View(arguments) => view::run(&arguments, voice),
         Command::Check(arguments) => check::run(&arguments, voice),
         Command::Report(arguments) => report::run(&arguments, voice),
+        Command::Orbit(arguments) => orbit::run(&arguments, voice),
+        Command::Eyebox(arguments) => eyebox::run(&arguments, voice),
         Command::Map(arguments) => map::run(&arguments, voice),
         Command::Schema(arguments) => schema::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),

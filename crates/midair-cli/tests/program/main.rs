@@ -6,8 +6,10 @@ mod check;
 mod compensate;
 mod delivery;
 mod map;
+mod play;
 mod proof;
 mod view;
+mod viewpoints;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

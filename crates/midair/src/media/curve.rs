@@ -88,11 +88,11 @@ impl Tables {
         self.light[usize::from(code)]
     }
 
-    /// The nearest code of light; below 0 gives 0, above 1 gives 65535.
+    /// The nearest code of light, which must be a number; below 0 gives 0, above 1 gives 65535.
     pub(super) fn encode(&self, light: f32) -> u16 {
-        let bits = light.min(1.0).max(0.0).to_bits();
-        let code = match bits.checked_sub(SMALLEST) {
-            None => self.codes[0] * (light.max(0.0) / f32::from_bits(SMALLEST)),
+        let light = light.clamp(0.0, 1.0);
+        let code = match light.to_bits().checked_sub(SMALLEST) {
+            None => self.codes[0] * (light / f32::from_bits(SMALLEST)),
             Some(above) => {
                 let entry = (above >> BETWEEN) as usize;
                 let rest = (above & ((1 << BETWEEN) - 1)) as f32 / (1u32 << BETWEEN) as f32;

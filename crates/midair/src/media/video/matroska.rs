@@ -32,9 +32,9 @@ pub(super) fn header(size: [usize; 2], deep: bool, rate: [u64; 2]) -> Vec<u8> {
     let mut track =
         [number(0xd7, 1), number(0x73c5, 1), number(0x83, 1), element(0x86, b"V_UNCOMPRESSED")]
             .concat();
-    if rate[0] > 0 {
+    if let Some(duration) = (1_000_000_000 * rate[1]).checked_div(rate[0]) {
         // DefaultDuration, which tells the encoder how many frames a second to expect.
-        track.extend(number(0x23e383, 1_000_000_000 * rate[1] / rate[0]));
+        track.extend(number(0x23e383, duration));
     }
     track.extend(element(0xe0, &video));
     let mut bytes = element(0x1a45dfa3, &ebml);
