@@ -20,9 +20,16 @@ pub fn install() -> Result<()> {
     if !process::succeeds(Command::new("ffmpeg").arg("-version")) {
         apt_install(&["ffmpeg"])?;
     }
+    // For the live show's window: a virtual screen, keys and screenshots.
+    if !["Xvfb", "xdotool", "xwd"].into_iter().all(on_path) {
+        apt_install(&["xvfb", "xdotool", "x11-apps", "libx11-xcb1", "libxkbcommon-x11-0"])?;
+    }
     python_packages(TEST_PACKAGES)?;
-    weights()?;
-    println!("ffmpeg, the packages of {TEST_PACKAGES} and LPIPS' weights are in place");
+    // Their tests skip themselves without them, and say so.
+    if let Err(error) = weights() {
+        println!("note: {error:#}");
+    }
+    println!("ffmpeg, a virtual screen and the packages of {TEST_PACKAGES} are in place");
     Ok(())
 }
 
@@ -39,6 +46,12 @@ pub fn weights() -> Result<()> {
     }
     println!("getting LPIPS' weights");
     process::run(&mut asked(&[])).context("LPIPS' weights cannot be had")
+}
+
+/// Whether there is a program of this name.
+fn on_path(name: &str) -> bool {
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    std::env::split_paths(&path).any(|folder| folder.join(name).is_file())
 }
 
 /// Brings the packages of a requirements file into `.venv`, which is made if it is not there.

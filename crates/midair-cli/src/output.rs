@@ -123,6 +123,11 @@ impl Output {
         Ok(made)
     }
 
+    /// Where a file of this name is to be written by someone else; it comes along with the others.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.staging.path().join(name)
+    }
+
     /// An error with the file's final name, not the one it has meanwhile.
     fn renamed(&self, error: FileError) -> FileError {
         let real = |path: PathBuf| match path.strip_prefix(self.staging.path()) {

@@ -8,6 +8,7 @@ mod memory;
 mod mitsuba;
 mod rows;
 mod set_ups;
+mod warp;
 
 use rows::{Row, Sizes};
 use std::error::Error;
@@ -28,7 +29,8 @@ fn main() -> Outcome<()> {
     }
     let sizes = if has("--quick") { Sizes::QUICK } else { Sizes::FULL };
     if let Some(name) = value(memory::ONCE) {
-        let rows = rows::of_midair(&sizes);
+        let mut rows = rows::of_midair(&sizes);
+        rows.extend(warp::rows(&sizes));
         return match rows.into_iter().find(|row| row.name == name) {
             Some(row) => row.prepare().map(|mut work| drop(work())),
             None => Err(format!("no row `{name}`").into()),
@@ -39,6 +41,7 @@ fn main() -> Outcome<()> {
         return Ok(());
     }
     let mut rows = rows::of_midair(&sizes);
+    rows.extend(warp::rows(&sizes));
     rows.extend(mitsuba::rows(&sizes));
     if let Some(only) = value("--only") {
         rows.retain(|row| row.name.contains(&only));

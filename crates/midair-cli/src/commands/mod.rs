@@ -6,10 +6,13 @@ mod compensate;
 mod completions;
 mod demo;
 mod evaluate;
+mod eyebox;
 mod man;
 mod map;
 mod measure;
+mod orbit;
 mod plate;
+mod play;
 mod report;
 mod schema;
 mod view;
@@ -44,10 +47,13 @@ enum Command {
     Demo(demo::Arguments),
     Compensate(compensate::Arguments),
     Apply(apply::Arguments),
+    Play(play::Arguments),
     View(view::Arguments),
     Check(check::Arguments),
     Plate(plate::Arguments),
     Report(report::Arguments),
+    Orbit(orbit::Arguments),
+    Eyebox(eyebox::Arguments),
     Map(map::Arguments),
     Measure(measure::Arguments),
     Evaluate(evaluate::Arguments),
@@ -65,9 +71,12 @@ pub fn run(program: Program) -> Result<ExitCode, Failure> {
         Command::Demo(arguments) => demo::run(&arguments, voice),
         Command::Compensate(arguments) => compensate::run(&arguments, voice),
         Command::Apply(arguments) => apply::run(&arguments, voice),
+        Command::Play(arguments) => play::run(&arguments, voice),
         Command::Check(arguments) => check::run(&arguments, voice),
         Command::Plate(arguments) => plate::run(&arguments, voice),
         Command::Report(arguments) => report::run(&arguments, voice),
+        Command::Orbit(arguments) => orbit::run(&arguments, voice),
+        Command::Eyebox(arguments) => eyebox::run(&arguments, voice),
         Command::Map(arguments) => map::run(&arguments, voice),
         Command::Measure(arguments) => measure::run(&arguments, voice),
         Command::Evaluate(arguments) => evaluate::run(&arguments, voice),

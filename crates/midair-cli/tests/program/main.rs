@@ -9,8 +9,10 @@ mod evaluate;
 mod map;
 mod measure;
 mod plate;
+mod play;
 mod proof;
 mod view;
+mod viewpoints;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -5,9 +5,11 @@
 //! [`lattice::detect`] for geometry. [`report`] sets what was found into one page that stands
 //! on its own.
 
+pub mod eyebox;
 mod filter;
 pub mod lattice;
 pub mod lpips;
+pub mod orbit;
 pub mod paper;
 mod plane;
 pub mod proof;

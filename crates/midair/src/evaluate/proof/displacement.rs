@@ -46,7 +46,7 @@ impl Sight<'_> {
 }
 
 /// The map between its samples, bilinear as the display's pixels are seen; `None` next to a pixel that is not ok.
-fn interpolated(map: &Map, [s, t]: [f64; 2]) -> Option<[f64; 2]> {
+pub(in crate::evaluate) fn interpolated(map: &Map, [s, t]: [f64; 2]) -> Option<[f64; 2]> {
     if map.width < 2 || map.height < 2 || ![s, t].iter().all(|c| (0.0..=1.0).contains(c)) {
         return None;
     }

@@ -5,7 +5,7 @@
 //! map's plain filter stand the averaged scatter, the best display image, and the paper's own map by splatting.
 
 mod baseline;
-mod displacement;
+pub(super) mod displacement;
 mod likeness;
 mod reference;
 mod uncompensated;

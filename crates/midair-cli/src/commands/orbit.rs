@@ -1,0 +1,321 @@
+//! `midair orbit`: a viewer who walks around, with a fixed map and with one that follows.
+
+use crate::arguments::{Size, check_view, open_picture, open_scene};
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::progress::Bar;
+use crate::summary::{Voice, milliseconds, number, paths, wrote};
+use midair::evaluate::lattice::{Displacement, LatticeStyle};
+use midair::evaluate::orbit::{Seen, Settings, Station, orbit};
+use midair::evaluate::paper::strip;
+use midair::evaluate::proof::{Watch as _, view_size};
+use midair::evaluate::report::{
+    Block, Cell, Figure, Image, LineChart, Page, Section, Series, SummaryRow, Table,
+};
+use midair::map::format::write_bytes_atomically;
+use midair::media::video::{Colour, Encoder, Recipe, Timing, VideoError};
+use midair::media::{Depth, Picture, srgb, write_still};
+use midair::transport::Setup;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Walk around: the views from -15 to 15 degrees with the map of one viewpoint, and with a map that follows the viewer
+///
+/// Writes orbit.html (strips, a chart of the lattice's displacement), strip-fixed.png, strip-tracked.png, orbit.mp4 (fixed left, tracked right; needs ffmpeg)
+/// and orbit.json.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  midair orbit scene.toml --out out\n  \
+    midair orbit scene.toml --out out --image photo.jpg --from -30 --to 30 --step 10")]
+pub struct Arguments {
+    /// Scene file (TOML or JSON)
+    scene: PathBuf,
+    /// Folder for all that is written
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Picture that the mid-air image is to show; left out: a lattice
+    #[arg(long, value_name = "FILE")]
+    image: Option<PathBuf>,
+    /// The display's resolution instead of the scene's; views are as wide
+    #[arg(long, value_name = "WxH")]
+    size: Option<Size>,
+    /// First azimuth in degrees, about the vertical through the image's centre; the scene's viewpoint is at 0
+    #[arg(long, value_name = "DEGREES", default_value = "-15", allow_hyphen_values = true, value_parser = degrees)]
+    from: f64,
+    /// Last azimuth in degrees
+    #[arg(long, value_name = "DEGREES", default_value = "15", allow_hyphen_values = true, value_parser = degrees)]
+    to: f64,
+    /// Degrees from one view to the next
+    #[arg(long, value_name = "DEGREES", default_value = "5", value_parser = crate::arguments::positive)]
+    step: f64,
+    /// How much of the image's plane is shown: 1 the image exactly
+    #[arg(long, default_value = "1.3", value_parser = crate::arguments::positive)]
+    window: f64,
+    /// Frames of the film; 0 leaves it out
+    #[arg(long, value_name = "N", default_value = "61", value_parser = clap::value_parser!(u16).range(0..=2000))]
+    frames: u16,
+}
+
+fn degrees(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.abs() <= 180.0 => Ok(value),
+        _ => Err("give degrees from -180 to 180".to_owned()),
+    }
+}
+
+/// The most views of one run.
+const MOST_VIEWS: f64 = 2000.0;
+
+pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
+    let (from, to, step) = (arguments.from, arguments.to, arguments.step);
+    if !(from < to) || (to - from) / step > MOST_VIEWS {
+        return Err(Failure::new(
+            format!("from {from} to {to} degrees by {step}: there is no such walk"),
+            "give a --from below --to, and a --step that makes at most 2000 views",
+        ));
+    }
+    let loaded = open_scene(&arguments.scene, arguments.size)?;
+    let mut notes = loaded.notes.clone();
+    let still = arguments.image.as_ref().map(|path| open_picture(path, &mut notes)).transpose()?;
+    let picture = still.as_ref().map(|still| &still.picture);
+    let setup = Setup::new(&loaded)?;
+    let settings = Settings {
+        view: view_size(&setup, setup.resolution[0].min(1024)),
+        window: arguments.window,
+        supersampling: 2,
+        lattice: LatticeStyle::default(),
+    };
+    check_view(settings.view, settings.supersampling)?;
+    let mut output = Output::into_folder(&arguments.out)?;
+    let start = Instant::now();
+    let bar = Bar::new();
+    let count = ((to - from) / step + 1e-9) as usize + 1;
+    let azimuths: Vec<f64> = (0..count).map(|i| from + i as f64 * step).collect();
+    bar.stage("views", count);
+    let stations = orbit(&setup, picture, &azimuths, &settings, &bar)?;
+
+    let strips = [("fixed", fixed as Pick), ("tracked", tracked as Pick)].map(|(name, pick)| {
+        let views: Vec<&Picture> = stations.iter().map(|station| &pick(station).view).collect();
+        // Views are of one height.
+        (name, strip(&views, 6).unwrap_or_else(|_| views[0].clone()))
+    });
+    for (name, picture) in &strips {
+        output
+            .write(&format!("strip-{name}.png"), |path| write_still(path, picture, Depth::Eight))?;
+    }
+    if arguments.frames > 1 {
+        let small =
+            Settings { view: view_size(&setup, settings.view[0].min(480)), ..settings.clone() };
+        let last = f64::from(arguments.frames - 1);
+        let azimuths: Vec<f64> =
+            (0..arguments.frames).map(|i| from + (to - from) * f64::from(i) / last).collect();
+        bar.stage("frames of the film", azimuths.len());
+        let path = output.path("orbit.mp4");
+        let make = || film(&setup, picture, &azimuths, &small, &bar, &path);
+        if let Err(failure) = make() {
+            let _ = std::fs::remove_file(&path);
+            notes.push(format!("there is no film: {failure}"));
+        }
+    }
+    bar.finish();
+    let page = page(&loaded.scene.name, &stations, &settings, &setup, &strips, &notes)?;
+    output.write("orbit.html", |path| write_bytes_atomically(path, page.to_html().as_bytes()))?;
+    let millimetres = setup.image.size[0] * settings.window / settings.view[0] as f64;
+    let mut report = json!({
+        "midair": env!("CARGO_PKG_VERSION"),
+        "command": "orbit",
+        "scene": loaded.scene.name,
+        "view": settings.view,
+        "window": settings.window,
+        "mm_per_view_pixel": millimetres,
+        "views": stations.iter().map(told).collect::<Vec<_>>(),
+        "timings_ms": { "all": milliseconds(start.elapsed()) },
+        "notes": notes,
+    });
+    output.write("orbit.json", |path| {
+        write_bytes_atomically(path, format!("{report:#}\n").as_bytes())
+    })?;
+    let files = output.finish()?;
+    voice.note(&notes);
+    let mut lines = format!(
+        "{}: mean displacement of the lattice, mm on the image's plane\n azimuth   fixed  tracked\n",
+        loaded.scene.name
+    );
+    for station in &stations {
+        lines += &format!(
+            "{:7.1}° {:7.3} {:8.3}\n",
+            station.azimuth,
+            station.fixed.exact.mean * millimetres,
+            station.tracked.exact.mean * millimetres
+        );
+    }
+    lines += &wrote(&files);
+    report["files"] = paths(&files);
+    voice.tell(&lines, &report)
+}
+
+type Pick = fn(&Station) -> &Seen;
+
+fn fixed(station: &Station) -> &Seen {
+    &station.fixed
+}
+
+fn tracked(station: &Station) -> &Seen {
+    &station.tracked
+}
+
+fn told(station: &Station) -> Value {
+    let displacement = |d: &Displacement| json!({ "mean_px": number(d.mean), "max_px": number(d.max), "points": d.compared() });
+    let seen = |seen: &Seen| {
+        json!({
+            "exact": displacement(&seen.exact),
+            "measured": seen.measured.as_ref().ok().map(displacement),
+            "not_measured": seen.measured.as_ref().err(),
+        })
+    };
+    json!({
+        "azimuth": station.azimuth,
+        "eye": [station.eye.x, station.eye.y, station.eye.z],
+        "fixed": seen(&station.fixed),
+        "tracked": seen(&station.tracked),
+    })
+}
+
+/// The views side by side, there and back.
+fn film(
+    setup: &Setup,
+    picture: Option<&Picture>,
+    azimuths: &[f64],
+    settings: &Settings,
+    bar: &Bar,
+    path: &Path,
+) -> Result<(), Failure> {
+    let mut encoder: Option<Encoder> = None;
+    let mut frames: Vec<Vec<u8>> = Vec::new();
+    // A few at a time: views are large.
+    for part in azimuths.chunks(8) {
+        for station in orbit(setup, picture, part, settings, bar)? {
+            let both = [&station.fixed.view, &station.tracked.view];
+            let frame = strip(&both, 8).unwrap_or_else(|_| station.fixed.view.clone());
+            if encoder.is_none() {
+                let size = [frame.width, frame.height];
+                let colour = Colour::usual(size[1]);
+                let recipe = Recipe {
+                    size,
+                    deep: false,
+                    rate: [30, 1],
+                    colour: &colour,
+                    base: [1, 30],
+                    options: &[],
+                };
+                encoder = Some(Encoder::new(path, &recipe)?);
+            }
+            let codes = frame.pixels.iter().flat_map(|p| [p[0], p[1], p[2]].map(srgb::encode_8));
+            frames.push(codes.collect());
+        }
+    }
+    let Some(mut encoder) = encoder else { return Ok(()) };
+    let back = frames.iter().rev().skip(1);
+    for (ticks, frame) in (0..).zip(frames.iter().chain(back)) {
+        encoder.write(frame, Timing { ticks, base: [1, 30] })?;
+    }
+    encoder.finish().map_err(|error: VideoError| error.into())
+}
+
+fn page(
+    name: &str,
+    stations: &[Station],
+    settings: &Settings,
+    setup: &Setup,
+    strips: &[(&str, Picture)],
+    notes: &[String],
+) -> Result<Page, Failure> {
+    let mm = setup.image.size[0] * settings.window / settings.view[0] as f64;
+    let series = |name: &str, pick: Pick| Series {
+        name: name.to_owned(),
+        points: stations.iter().map(|s| [s.azimuth, pick(s).exact.mean * mm]).collect(),
+    };
+    let chart = LineChart {
+        x_label: "azimuth, degrees".to_owned(),
+        y_label: "mean displacement of the lattice, mm".to_owned(),
+        series: vec![series("fixed map", fixed), series("map that follows", tracked)],
+    };
+    let worst =
+        |pick: Pick| stations.iter().map(|s| pick(s).exact.mean * mm).fold(f64::NAN, f64::max);
+    let row = |label: &str, value: f64, note: &str| SummaryRow {
+        label: label.to_owned(),
+        value: if value.is_finite() { format!("{value:.3} mm") } else { "–".to_owned() },
+        note: note.to_owned(),
+    };
+    let figure = |(name, picture): &(&str, Picture)| -> Result<Block, Failure> {
+        let caption = match *name {
+            "fixed" => "The map of the scene's viewpoint, seen from each azimuth.",
+            _ => "The map of each eye, seen from there.",
+        };
+        let figure = Figure::picture(picture, caption)
+            .map_err(|error| Failure::new(error.to_string(), "ask for a smaller --size"))?;
+        Ok(Block::Figures(vec![figure]))
+    };
+    let cells = |s: &Station| {
+        let of = |seen: &Seen| {
+            [
+                Cell::number(Some(seen.exact.mean), 2),
+                Cell::number(seen.measured.as_ref().ok().map(|d| d.mean), 2),
+            ]
+        };
+        let mut row = vec![Cell::text(format!("{}°", s.azimuth))];
+        row.extend(of(&s.fixed));
+        row.extend(of(&s.tracked));
+        row
+    };
+    let head = |texts: &[(&str, usize)]| {
+        texts.iter().map(|(text, span)| ((*text).to_owned(), *span)).collect()
+    };
+    let table = Table {
+        caption: format!("Mean displacement in view pixels of {mm:.4} mm"),
+        head: vec![
+            head(&[("azimuth", 1), ("fixed map", 2), ("map that follows", 2)]),
+            head(&[
+                ("", 1),
+                ("calculated", 1),
+                ("found in the view", 1),
+                ("calculated", 1),
+                ("found in the view", 1),
+            ]),
+        ],
+        rows: stations.iter().map(cells).collect(),
+        foot: Vec::new(),
+    };
+    let mut sections = vec![
+        Section {
+            heading: "Displacement".to_owned(),
+            blocks: vec![
+                Block::Figures(vec![Figure {
+                    image: Image::Line(chart),
+                    caption: "By calculation, on the image's plane.".to_owned(),
+                }]),
+                Block::Table(table),
+            ],
+        },
+        Section {
+            heading: "Views".to_owned(),
+            blocks: strips.iter().map(figure).collect::<Result<_, _>>()?,
+        },
+    ];
+    if !notes.is_empty() {
+        sections.push(Section {
+            heading: "Notes".to_owned(),
+            blocks: vec![Block::Notes(notes.to_vec())],
+        });
+    }
+    Ok(Page {
+        title: format!("{name}: walking around"),
+        lead: "What a viewer sees who walks around the set-up, with the map of one viewpoint and with a map that follows.".to_owned(),
+        summary: vec![
+            row("largest mean displacement, fixed map", worst(fixed), "one map for all places"),
+            row("largest mean displacement, map that follows", worst(tracked), "a map for each place"),
+        ],
+        sections,
+        colophon: format!("midair {}", env!("CARGO_PKG_VERSION")),
+    })
+}

@@ -1,0 +1,206 @@
+//! `midair play`: the live show.
+
+use crate::arguments::{Point, Size, open_scene};
+use crate::failure::Failure;
+use crate::summary::{Voice, paths};
+use midair::media::Sequence;
+use midair_play::{
+    Calibration, Latency, OneEuro, Options, PlayError, Protocol, SourceKind, Trial, run as show,
+};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::time::Duration;
+
+/// Show the compensated source live, following the viewer
+///
+/// Opens a window for the light source's screen. Keys: Space pause, L lattice, U uncompensated, O figures, F fullscreen, Tab what to nudge, arrows and Page Up/Down
+/// nudge it by 0.1 mm (with Ctrl turn it by 0.1 degree, with Shift ten times as much), S save the nudged scene, C take the tracker's reading as the
+/// viewpoint, Esc end.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  midair play scene.toml film.mp4 --fullscreen --display 1\n  \
+    midair play scene.toml lattice --track opentrack:4242\n  \
+    midair play scene.toml photo.jpg --track osc:9000 --tracker-position 0,300,100 --tracker-rotation 0,180,0\n  \
+    other-program | midair play scene.toml - --source-size 1280x720\n  \
+    midair play scene.toml --bench --size 1920x1080")]
+pub struct Arguments {
+    /// Scene file (TOML or JSON)
+    scene: PathBuf,
+    /// A picture, a film, numbered pictures (frames/%04d.png), `lattice`, or - for raw RGBA frames on standard input
+    #[arg(default_value = "lattice")]
+    source: String,
+    /// Pixels of a frame on standard input
+    #[arg(long, value_name = "WxH", required_if_eq("source", "-"))]
+    source_size: Option<Size>,
+    /// Numbered pictures a second
+    #[arg(long, value_name = "R", default_value = "25", value_parser = crate::arguments::positive)]
+    rate: f64,
+    /// The screen, counted from 0
+    #[arg(long, value_name = "N")]
+    display: Option<usize>,
+    /// Fill the screen
+    #[arg(long)]
+    fullscreen: bool,
+    /// Pixels of the window, which is the display, instead of the scene's
+    #[arg(long, value_name = "WxH")]
+    size: Option<Size>,
+    /// Follow the viewer: opentrack:PORT (UDP over network) or osc:PORT (/midair/viewpoint x y z, mm)
+    #[arg(long, value_name = "WHO:PORT")]
+    track: Option<Track>,
+    /// Where the tracker stands in the scene, mm
+    #[arg(long, value_name = "X,Y,Z", default_value = "0,0,0", allow_hyphen_values = true)]
+    tracker_position: Point,
+    /// How it is turned, degrees (Rx*Ry*Rz)
+    #[arg(long, value_name = "X,Y,Z", default_value = "0,0,0", allow_hyphen_values = true)]
+    tracker_rotation: Point,
+    /// Take the tracker's readings as they are, without smoothing
+    #[arg(long)]
+    no_smoothing: bool,
+    /// Look so many ms ahead; left out: as long as a packet takes to the screen
+    #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u16).range(0..=100))]
+    predict: Option<u16>,
+    /// Show figures: frames a second, the eye, latency
+    #[arg(long)]
+    overlay: bool,
+    /// File for the nudged scene [default: SCENE with -nudged in its name]
+    #[arg(long, value_name = "FILE")]
+    save: Option<PathBuf>,
+    /// End after so many seconds
+    #[arg(long = "for", value_name = "SECONDS", value_parser = crate::arguments::positive)]
+    seconds: Option<f64>,
+    /// Measure the latency from a packet to the screen, with a synthetic tracker (300 packets, 60 a second)
+    #[arg(long, conflicts_with_all = ["track", "seconds"])]
+    bench: bool,
+}
+
+/// Who tells where the viewer is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Track(Protocol, u16);
+
+impl FromStr for Track {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || "give opentrack:PORT or osc:PORT, such as opentrack:4242".to_owned();
+        let (who, port) = text.split_once(':').ok_or_else(wrong)?;
+        let protocol = match who {
+            "opentrack" => Protocol::OpenTrack,
+            "osc" => Protocol::Osc,
+            _ => return Err(wrong()),
+        };
+        let port = port.parse().ok().filter(|&port| port > 0).ok_or_else(wrong)?;
+        Ok(Self(protocol, port))
+    }
+}
+
+const BENCH: Trial = Trial { packets: 300, rate: 60.0 };
+
+pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
+    let loaded = open_scene(&arguments.scene, arguments.size)?;
+    let source = source(arguments)?;
+    let (Point(position), Point(rotation)) =
+        (arguments.tracker_position, arguments.tracker_rotation);
+    let options = Options {
+        source,
+        size: arguments.size.map(|Size(size)| size),
+        fullscreen: arguments.fullscreen,
+        screen: arguments.display,
+        tracker: arguments.track.map(|Track(protocol, port)| (protocol, port)),
+        calibration: Calibration::new(position, rotation),
+        smoothing: (!arguments.no_smoothing).then(OneEuro::default),
+        predict: arguments.predict.map(|ms| f64::from(ms) / 1e3),
+        overlay: arguments.overlay,
+        save_to: arguments.save.clone().unwrap_or_else(|| nudged(&arguments.scene)),
+        end_after: arguments.seconds.map(Duration::from_secs_f64),
+        trial: arguments.bench.then_some(BENCH),
+    };
+    voice.note(&loaded.notes);
+    let (name, size) = (loaded.scene.name.clone(), loaded.scene.display.resolution);
+    let (latency, saved) = show(loaded, options)?;
+    let mut lines =
+        saved.iter().map(|path| format!("saved {}\n", path.display())).collect::<String>();
+    if let Some(latency) = &latency {
+        lines += &told(&name, size, latency);
+    } else if arguments.bench {
+        return Err(Failure::new(
+            "not one viewpoint reached the screen",
+            "keep the window open until the trial has ended",
+        ));
+    }
+    let report = json!({
+        "scene": name,
+        "size": size,
+        "saved": paths(&saved),
+        "latency_ms": latency.map(|l| json!({
+            "sent": l.sent, "shown": l.shown, "median": l.median, "percentile_99": l.percentile_99, "max": l.max, "map_median": l.solve_median,
+        })),
+    });
+    voice.tell(&lines, &report)
+}
+
+fn told(name: &str, [width, height]: [usize; 2], l: &Latency) -> String {
+    format!(
+        "{name}: {width} x {height}, from packet to screen: median {:.1} ms, 99th percentile {:.1} ms, longest {:.1} ms\n\
+         {} of {} viewpoints shown, the others overtaken; map and weights take {:.1} ms\n",
+        l.median, l.percentile_99, l.max, l.shown, l.sent, l.solve_median
+    )
+}
+
+fn source(arguments: &Arguments) -> Result<SourceKind, Failure> {
+    let path = Path::new(&arguments.source);
+    Ok(match (&arguments.source[..], arguments.source_size) {
+        ("-", Some(Size(size))) => SourceKind::Stdin(size),
+        ("lattice", _) if !path.exists() => SourceKind::Lattice,
+        _ => {
+            let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
+            let still = ["png", "jpg", "jpeg", "exr"]
+                .iter()
+                .any(|known| extension.eq_ignore_ascii_case(known));
+            match Sequence::of_path(path) {
+                Some(sequence) if still && !path.exists() => {
+                    sequence.numbers()?;
+                    SourceKind::Stills(sequence, arguments.rate)
+                }
+                _ if !path.exists() => {
+                    return Err(Failure::new(
+                        format!("{}: there is no such file", path.display()),
+                        "name a picture, a film, numbered pictures (frames/%04d.png), lattice, or -",
+                    ));
+                }
+                _ if still => SourceKind::Still(path.to_owned()),
+                _ => SourceKind::Film(path.to_owned()),
+            }
+        }
+    })
+}
+
+/// `scene-nudged.toml` for `scene.toml`.
+fn nudged(scene: &Path) -> PathBuf {
+    let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
+    scene.with_file_name(format!("{}-nudged.toml", stem))
+}
+
+impl From<PlayError> for Failure {
+    fn from(error: PlayError) -> Self {
+        Self::Told { message: error.to_string(), help: None }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn trackers_are_read_and_typos_refused() {
+        assert_eq!("opentrack:4242".parse(), Ok(Track(Protocol::OpenTrack, 4242)));
+        assert_eq!("osc:9000".parse(), Ok(Track(Protocol::Osc, 9000)));
+        for wrong in ["", "osc", "osc:", "osc:0", "osc:70000", "opentrak:1"] {
+            assert!(wrong.parse::<Track>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn the_nudged_scene_has_a_name_of_its_own() {
+        assert_eq!(nudged(Path::new("a/s.toml")), Path::new("a/s-nudged.toml"));
+    }
+}

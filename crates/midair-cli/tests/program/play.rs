@@ -1,0 +1,305 @@
+//! `midair play` in a real window under Xvfb, with real UDP packets; skipped with a note where Xvfb, xwd or xdotool is missing.
+
+use super::{BALL, Bench, set_up, waves};
+use midair::geometry::Vec3;
+use midair::map::{Accuracy, Map, invert};
+use midair::media::{Depth, Filter, Warp, read_still, srgb, write_still};
+use midair::scene::load;
+use midair::transport::Setup;
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::net::UdpSocket;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+const SIDE: usize = 240;
+
+/// A screen of its own.
+struct XScreen {
+    server: Child,
+    name: String,
+}
+
+impl Drop for XScreen {
+    fn drop(&mut self) {
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
+}
+
+impl XScreen {
+    fn open() -> Option<Self> {
+        let there = |program: &str| {
+            Command::new(program).arg("-version").stdin(Stdio::null()).output().is_ok()
+        };
+        if !["Xvfb", "xwd", "xdotool"].into_iter().all(there) {
+            println!("skipped: no Xvfb, xwd and xdotool");
+            return None;
+        }
+        let mut server = Command::new("Xvfb")
+            .args(["-displayfd", "1", "-screen", "0", "400x300x24", "-nolisten", "tcp"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let mut number = String::new();
+        BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
+        Some(Self { server, name: format!(":{}", number.trim()) })
+    }
+
+    fn play(&self, bench: &Bench, arguments: &[&str]) -> Child {
+        let mut all = vec!["play"];
+        all.extend(arguments);
+        bench
+            .command(&all)
+            .env("DISPLAY", &self.name)
+            .env_remove("WAYLAND_DISPLAY")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap()
+    }
+
+    /// The window's pixels, RGB: it stands at the screen's upper left.
+    fn shot(&self) -> Vec<u8> {
+        let output = Command::new("xwd")
+            .args(["-root", "-silent", "-display", &self.name])
+            .output()
+            .unwrap();
+        let dump = output.stdout;
+        // The XWD header: big-endian words; its size, then among others depth, width, height, line length, colours.
+        let word =
+            |i: usize| u32::from_be_bytes(dump[4 * i..4 * i + 4].try_into().unwrap()) as usize;
+        let (line, start) = (word(12), word(0) + 12 * word(19));
+        assert_eq!((word(4), word(5), word(11)), (400, 300, 32));
+        let pixel = |x: usize, y: usize| {
+            let at = start + y * line + 4 * x;
+            [dump[at + 2], dump[at + 1], dump[at]]
+        };
+        (0..SIDE * SIDE).flat_map(|i| pixel(i % SIDE, i / SIDE)).collect()
+    }
+
+    /// Waits until the window shows this, within so many codes.
+    fn await_picture(&self, what: &str, expected: &[u8], tolerance: u8) {
+        let start = Instant::now();
+        loop {
+            let shot = self.shot();
+            let worst = shot.iter().zip(expected).map(|(a, b)| a.abs_diff(*b)).max().unwrap();
+            if worst <= tolerance {
+                return;
+            }
+            assert!(start.elapsed() < Duration::from_secs(30), "{what}: off by {worst}");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+
+    fn xdotool(&self, arguments: &[&str]) {
+        let output =
+            Command::new("xdotool").args(arguments).env("DISPLAY", &self.name).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+
+    /// Gives the window the keys: without a window manager nobody else does.
+    fn focus(&self) {
+        self.xdotool(&[
+            "mousemove",
+            "50",
+            "50",
+            "search",
+            "--name",
+            "midair",
+            "windowfocus",
+            "--sync",
+        ]);
+        std::thread::sleep(Duration::from_millis(500));
+    }
+
+    fn key(&self, keys: &[&str]) {
+        self.xdotool(&[&["key"], keys].concat());
+    }
+}
+
+fn end(mut show: Child) {
+    show.kill().unwrap();
+    show.wait().unwrap();
+}
+
+fn codes(picture: &midair::media::Picture) -> Vec<u8> {
+    picture.pixels.iter().flat_map(|p| [p[0], p[1], p[2]].map(srgb::encode_8)).collect()
+}
+
+/// The ball's scene, a picture, and what the display shows of it for an eye.
+struct Stage {
+    bench: Bench,
+    setup: Setup,
+    picture: Vec<u8>,
+}
+
+impl Stage {
+    fn new() -> Self {
+        let bench = Bench::new();
+        bench.write(
+            "ball.toml",
+            set_up(&format!("[display]\nresolution = [{SIDE}, {SIDE}]\n{BALL}")),
+        );
+        write_still(&bench.path("p.png"), &waves(200, 160), Depth::Eight).unwrap();
+        let picture = codes(&read_still(&bench.path("p.png")).unwrap().picture);
+        let setup = Setup::new(&load(&bench.path("ball.toml")).unwrap()).unwrap();
+        Self { bench, setup, picture }
+    }
+
+    fn shown_to(&self, x: f64, y: f64, z: f64) -> Vec<u8> {
+        let setup = Setup { viewpoint: Vec3::new(x, y, z), ..self.setup.clone() };
+        self.through(&invert(&setup, Accuracy::default()).0)
+    }
+
+    fn through(&self, map: &Map) -> Vec<u8> {
+        let warp = Warp::new(map, [200, 160], Filter::Bilinear).unwrap();
+        let mut shown = vec![0; SIDE * SIDE * 3];
+        warp.apply(&self.picture, 3, &mut shown).unwrap();
+        shown
+    }
+}
+
+/// A code of difference where a weight of 14 bits falls the other way: the live map is solved to 2.5e-5 of the picture, and
+/// the waves rise by less than 90 codes a pixel of 1/160.
+const TOLERANCE: u8 = 2;
+
+#[test]
+fn the_window_shows_the_display_image_and_obeys_keys() {
+    let Some(screen) = XScreen::open() else { return };
+    let stage = Stage::new();
+    let show = screen.play(&stage.bench, &["ball.toml", "p.png"]);
+    let compensated = stage.shown_to(0.0, 0.0, 800.0);
+    screen.await_picture("compensated", &compensated, TOLERANCE);
+    screen.focus();
+    screen.key(&["u"]);
+    let plain = stage.through(&Map::identity(SIDE, SIDE));
+    screen.await_picture("uncompensated", &plain, TOLERANCE);
+    screen.key(&["u"]);
+    screen.await_picture("compensated again", &compensated, TOLERANCE);
+    // Thirty mm to the right, and the map follows.
+    for _ in 0..30 {
+        screen.key(&["shift+Right"]);
+    }
+    screen.await_picture("nudged", &stage.shown_to(30.0, 0.0, 800.0), TOLERANCE);
+    screen.key(&["s"]);
+    let saved = stage.bench.path("ball-nudged.toml");
+    let start = Instant::now();
+    while !saved.exists() && start.elapsed() < Duration::from_secs(20) {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert_eq!(load(&saved).unwrap().scene.viewpoint, [30.0, 0.0, 800.0]);
+    screen.key(&["Tab"]);
+    for _ in 0..3 {
+        screen.key(&["Up"]);
+    }
+    screen.key(&["ctrl+Right", "s"]);
+    let start = Instant::now();
+    loop {
+        let pose = load(&saved).unwrap().scene.elements[0].pose;
+        if pose.position == [0.0, 0.3, 0.0] && pose.rotation == [0.0, 0.1, 0.0] {
+            break;
+        }
+        assert!(start.elapsed() < Duration::from_secs(20), "{pose:?}");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    screen.key(&["Escape"]);
+    let output = show.wait_with_output().unwrap();
+    assert!(output.status.success());
+    assert!(String::from_utf8_lossy(&output.stdout).contains("ball-nudged.toml"));
+}
+
+#[test]
+fn it_follows_opentrack_and_osc() {
+    let Some(screen) = XScreen::open() else { return };
+    let stage = Stage::new();
+    let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+    for protocol in ["opentrack", "osc"] {
+        let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let track = format!("{protocol}:{port}");
+        let show = screen.play(
+            &stage.bench,
+            &[
+                "ball.toml",
+                "p.png",
+                "--track",
+                &track,
+                "--no-smoothing",
+                "--predict",
+                "0",
+                "--tracker-position",
+                "0,0,100",
+            ],
+        );
+        screen.await_picture("at rest", &stage.shown_to(0.0, 0.0, 800.0), TOLERANCE);
+        for [x, y, z] in [[40.0, 10.0, 650.0], [-35.0, 0.0, 720.0]] {
+            let packet: Vec<u8> = if protocol == "opentrack" {
+                [x / 10.0, y / 10.0, z / 10.0, 0.0, 0.0, 0.0]
+                    .iter()
+                    .flat_map(|n: &f64| n.to_le_bytes())
+                    .collect()
+            } else {
+                let mut message = b"/midair/viewpoint\0\0\0,fff\0\0\0\0".to_vec();
+                message.extend([x, y, z].iter().flat_map(|n| (*n as f32).to_be_bytes()));
+                message
+            };
+            socket.send_to(&packet, ("127.0.0.1", port)).unwrap();
+            screen.await_picture(protocol, &stage.shown_to(x, y, z + 100.0), TOLERANCE);
+        }
+        end(show);
+    }
+}
+
+#[test]
+fn frames_are_taken_from_standard_input() {
+    let Some(screen) = XScreen::open() else { return };
+    let stage = Stage::new();
+    let mut show = screen.play(&stage.bench, &["ball.toml", "-", "--source-size", "200x160"]);
+    let mut pipe = show.stdin.take().unwrap();
+    let frame: Vec<u8> =
+        stage.picture.as_chunks::<3>().0.iter().flat_map(|p| [p[0], p[1], p[2], 255]).collect();
+    pipe.write_all(&vec![90; frame.len()]).unwrap();
+    pipe.write_all(&frame).unwrap();
+    screen.await_picture("standard input", &stage.shown_to(0.0, 0.0, 800.0), TOLERANCE);
+    drop(pipe);
+    end(show);
+}
+
+#[test]
+fn latency_is_measured_from_packet_to_screen() {
+    let Some(screen) = XScreen::open() else { return };
+    let stage = Stage::new();
+    let show = screen.play(&stage.bench, &["ball.toml", "p.png", "--bench", "--json"]);
+    let output = show.wait_with_output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let told = &told["latency_ms"];
+    let number = |name: &str| told[name].as_f64().unwrap();
+    assert_eq!(number("sent"), 300.0);
+    assert!(number("shown") > 10.0 && number("shown") <= 300.0, "{told}");
+    // A viewpoint is on the screen after its map, and not before.
+    assert!(number("map_median") > 0.0 && number("map_median") <= number("median"), "{told}");
+    assert!(
+        number("median") <= number("percentile_99") && number("percentile_99") <= number("max"),
+        "{told}"
+    );
+}
+
+#[test]
+fn what_is_missing_is_told() {
+    let stage = Stage::new();
+    let run = |arguments: &[&str]| {
+        let mut all = vec!["play"];
+        all.extend(arguments);
+        let mut command = stage.bench.command(&all);
+        let output = command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").output().unwrap();
+        assert_eq!(output.status.code(), Some(2));
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let said = run(&["ball.toml", "p.png"]);
+    assert!(said.contains("no window can be opened") && said.contains("xvfb-run"), "{said}");
+    assert!(run(&["ball.toml", "none.mp4"]).contains("no such file"));
+    assert!(run(&["ball.toml", "-"]).contains("--source-size"));
+    assert!(run(&["ball.toml", "p.png", "--track", "opentrak:1"]).contains("opentrack:4242"));
+}

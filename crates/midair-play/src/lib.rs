@@ -1,0 +1,22 @@
+//! The live show: a window on the light source's screen that shows the compensated source and follows the viewer.
+//!
+//! Threads: the window's (warps the newest frame by the newest map and presents it), the source's (frames at their times), the tracker's
+//! (packets), and the solver's (a map for the newest viewpoint; older requests are dropped, so that the show never waits). Frames are
+//! warped by the processor: the kernels of `midair::media::Warp` take a few milliseconds for a full-HD frame, which
+//! a software renderer of a graphics interface does not reach, and a machine without a graphics card can run the show.
+
+mod letters;
+mod nudge;
+mod show;
+mod solver;
+mod source;
+mod steady;
+mod tracker;
+mod trial;
+
+pub use nudge::{Nudge, Target};
+pub use show::{Options, PlayError, run};
+pub use source::SourceKind;
+pub use steady::{OneEuro, Steady};
+pub use tracker::{Calibration, Protocol, Reading, parse_opentrack, parse_osc};
+pub use trial::{Latency, Trial};

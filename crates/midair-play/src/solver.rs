@@ -1,0 +1,159 @@
+//! Maps for the newest viewpoint, on a thread of their own.
+
+use midair::evaluate::proof::uncompensated_map;
+use midair::geometry::Vec3;
+use midair::map::{Accuracy, Map, Status, invert_into};
+use midair::media::{Filter, Warp};
+use midair::scene::Loaded;
+use midair::transport::Setup;
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::time::Instant;
+
+/// What is wanted.
+#[derive(Clone, Debug)]
+pub(crate) struct Request {
+    /// The set-up as it is now.
+    pub loaded: Arc<Loaded>,
+    /// The eye, if it is not the set-up's.
+    pub viewpoint: Option<Vec3>,
+    /// Pixels of the display.
+    pub resolution: [usize; 2],
+    /// Pixels of the source.
+    pub source: [usize; 2],
+    /// Whether the source is shown as it is.
+    pub uncompensated: bool,
+    /// The packet that asked for it, and when it came.
+    pub packet: Option<(u64, Instant)>,
+}
+
+/// A map ready to be shown.
+#[derive(Debug)]
+pub(crate) struct Solved {
+    pub warp: Warp,
+    pub source: [usize; 2],
+    pub viewpoint: Vec3,
+    pub packet: Option<(u64, Instant)>,
+    /// Time that map and weights took, s.
+    pub seconds: f64,
+}
+
+/// A place for one thing, of which the newest counts.
+#[derive(Debug)]
+pub(crate) struct Newest<T> {
+    slot: Mutex<(Option<T>, bool)>,
+    bell: Condvar,
+}
+
+impl<T> Newest<T> {
+    pub fn new() -> Self {
+        Self { slot: Mutex::new((None, false)), bell: Condvar::new() }
+    }
+
+    /// Puts a thing in the place of what was there.
+    pub fn put(&self, thing: T) {
+        self.slot.lock().unwrap_or_else(PoisonError::into_inner).0 = Some(thing);
+        self.bell.notify_one();
+    }
+
+    /// Takes the thing, if there is one.
+    pub fn take(&self) -> Option<T> {
+        self.slot.lock().unwrap_or_else(PoisonError::into_inner).0.take()
+    }
+
+    /// Waits for a thing; `None` once [`close`](Self::close)d.
+    pub fn wait(&self) -> Option<T> {
+        let mut slot = self.slot.lock().unwrap_or_else(PoisonError::into_inner);
+        loop {
+            if slot.1 {
+                return None;
+            }
+            if let Some(thing) = slot.0.take() {
+                return Some(thing);
+            }
+            slot = self.bell.wait(slot).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// Nothing more is wanted.
+    pub fn close(&self) {
+        self.slot.lock().unwrap_or_else(PoisonError::into_inner).1 = true;
+        self.bell.notify_all();
+    }
+}
+
+/// Solves whatever is newest until the requests are closed. `ready` is called after each map; `refused` with what cannot be solved.
+pub(crate) fn start(
+    requests: Arc<Newest<Request>>,
+    solved: Arc<Newest<Solved>>,
+    ready: impl Fn() + Send + 'static,
+    refused: impl Fn(String) + Send + 'static,
+) {
+    std::thread::spawn(move || {
+        let mut known: Option<(Arc<Loaded>, Setup)> = None;
+        let mut map = Map::unanswered(1, 1);
+        while let Some(request) = requests.wait() {
+            let start = Instant::now();
+            let same =
+                known.as_ref().is_some_and(|(loaded, _)| Arc::ptr_eq(loaded, &request.loaded));
+            if !same {
+                match Setup::new(&request.loaded) {
+                    Ok(setup) => known = Some((Arc::clone(&request.loaded), setup)),
+                    Err(error) => {
+                        refused(error.to_string());
+                        continue;
+                    }
+                }
+            }
+            let Some((loaded, setup)) = &mut known else { continue };
+            setup.resolution = request.resolution;
+            setup.viewpoint =
+                request.viewpoint.unwrap_or_else(|| Vec3::from_array(loaded.scene.viewpoint));
+            if request.uncompensated {
+                map = uncompensated_map(loaded, setup);
+            } else {
+                let [width, height] = request.resolution;
+                if (map.width, map.height) != (width, height) {
+                    map = Map::unanswered(width, height);
+                }
+                invert_into(setup, Accuracy { tolerance: LIVE_TOLERANCE }, &mut map);
+            }
+            debug_assert!(
+                map.status
+                    .iter()
+                    .zip(&map.uv)
+                    .all(|(s, uv)| uv[0].is_finite() == matches!(s, Status::Ok | Status::Folded))
+            );
+            match Warp::new(&map, request.source, Filter::Bilinear) {
+                Ok(warp) => {
+                    solved.put(Solved {
+                        warp,
+                        source: request.source,
+                        viewpoint: setup.viewpoint,
+                        packet: request.packet,
+                        seconds: start.elapsed().as_secs_f64(),
+                    });
+                    ready();
+                }
+                Err(error) => refused(error.to_string()),
+            }
+        }
+    });
+}
+
+/// A twentieth of a pixel of 2048: finer is not seen, and coarser is not quicker.
+const LIVE_TOLERANCE: f64 = 2.5e-5;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_newest_wins_and_closing_ends_the_wait() {
+        let newest = Newest::new();
+        newest.put(1);
+        newest.put(2);
+        assert_eq!((newest.wait(), newest.take()), (Some(2), None));
+        newest.close();
+        assert_eq!(newest.wait(), None);
+    }
+}

@@ -1,0 +1,166 @@
+//! What is shown: frames at their times.
+
+use crate::solver::Newest;
+use midair::evaluate::lattice::{LatticeStyle, draw_lattice};
+use midair::media::video::{Decoder, VideoError, probe};
+use midair::media::{FileError, Picture, Sequence, read_still, srgb};
+use std::io::Read as _;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Where frames come from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SourceKind {
+    /// A picture.
+    Still(PathBuf),
+    /// Numbered pictures at so many a second, over and over.
+    Stills(Sequence, f64),
+    /// A film, over and over.
+    Film(PathBuf),
+    /// The paper's lattice.
+    Lattice,
+    /// Raw RGBA frames of so many pixels on standard input, each shown when it comes.
+    Stdin([usize; 2]),
+}
+
+/// A frame of bytes blue, green, red and one unused, rows from the top.
+#[derive(Clone, Debug)]
+pub(crate) struct Frame {
+    pub size: [usize; 2],
+    pub bytes: Arc<Vec<u8>>,
+}
+
+impl Frame {
+    pub fn of_picture(picture: &Picture) -> Self {
+        let code = |pixel: &[f32; 4]| [pixel[2], pixel[1], pixel[0], 1.0].map(srgb::encode_8);
+        let bytes = picture.pixels.iter().flat_map(code).collect();
+        Self { size: [picture.width, picture.height], bytes: Arc::new(bytes) }
+    }
+
+    fn of_rgb<const C: usize>(size: [usize; 2], bytes: &[u8]) -> Self {
+        let swapped = bytes.as_chunks::<C>().0.iter().flat_map(|p| [p[2], p[1], p[0], 255]);
+        Self { size, bytes: Arc::new(swapped.collect()) }
+    }
+
+    /// The lattice in the image's proportions.
+    pub fn lattice([width, height]: [f64; 2]) -> Self {
+        let rows = ((1024.0 * height / width).round() as usize).clamp(64, 4096);
+        let drawn = draw_lattice(1024, rows, &LatticeStyle::default());
+        Self::of_picture(&drawn.unwrap_or_else(|_| Picture::filled(1, 1, [1.0; 4])))
+    }
+}
+
+/// Why a source has no frames.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum SourceError {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error(transparent)]
+    Film(#[from] VideoError),
+    #[error("standard input: {0}")]
+    Stdin(std::io::Error),
+}
+
+/// Hands frames over until `gone`; each is announced by `ready`.
+pub(crate) struct Player {
+    pub frames: Arc<Newest<Frame>>,
+    pub paused: Arc<AtomicBool>,
+    pub ready: Box<dyn Fn() + Send>,
+    pub gone: Arc<AtomicBool>,
+}
+
+impl Player {
+    fn show(&self, frame: Frame) -> bool {
+        self.frames.put(frame);
+        (self.ready)();
+        !self.gone.load(Ordering::Relaxed)
+    }
+
+    /// Waits until a moment of the show, which stands still in a pause; false at the end of the show.
+    fn wait(&self, start: &mut Instant, at: f64) -> bool {
+        loop {
+            if self.gone.load(Ordering::Relaxed) {
+                return false;
+            }
+            let nap = Duration::from_millis(5);
+            if self.paused.load(Ordering::Relaxed) {
+                std::thread::sleep(nap);
+                *start += nap;
+                continue;
+            }
+            let left = at - start.elapsed().as_secs_f64();
+            if left <= 0.0 {
+                return true;
+            }
+            std::thread::sleep(nap.min(Duration::from_secs_f64(left)));
+        }
+    }
+
+    /// Plays a source to its end, which only standard input has.
+    pub fn play(&self, kind: &SourceKind, image: [f64; 2]) -> Result<(), SourceError> {
+        match kind {
+            SourceKind::Still(path) => {
+                self.show(Frame::of_picture(&read_still(path)?.picture));
+                Ok(())
+            }
+            SourceKind::Lattice => {
+                self.show(Frame::lattice(image));
+                Ok(())
+            }
+            SourceKind::Stills(sequence, rate) => {
+                let numbers = sequence.numbers()?;
+                let mut start = Instant::now();
+                for (i, number) in numbers.iter().cycle().enumerate() {
+                    let frame = Frame::of_picture(&read_still(&sequence.file(*number))?.picture);
+                    if !self.wait(&mut start, i as f64 / rate) || !self.show(frame) {
+                        break;
+                    }
+                }
+                Ok(())
+            }
+            SourceKind::Film(path) => self.play_film(path),
+            SourceKind::Stdin(size) => {
+                let mut bytes = vec![0; size[0] * size[1] * 4];
+                let mut input = std::io::stdin().lock();
+                loop {
+                    match input.read_exact(&mut bytes) {
+                        Ok(()) if self.show(Frame::of_rgb::<4>(*size, &bytes)) => {}
+                        Ok(()) => return Ok(()),
+                        Err(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
+                            return Ok(());
+                        }
+                        Err(error) => return Err(SourceError::Stdin(error)),
+                    }
+                }
+            }
+        }
+    }
+
+    fn play_film(&self, path: &std::path::Path) -> Result<(), SourceError> {
+        let film = probe(path)?;
+        loop {
+            let mut decoder = Decoder::new(&film, false)?;
+            let (mut start, mut bytes, mut count) = (Instant::now(), Vec::new(), 0);
+            while let Some(timing) = decoder.next(&mut bytes)? {
+                count += 1;
+                let frame = Frame::of_rgb::<3>(decoder.size(), &bytes);
+                if !self.wait(&mut start, timing.seconds()) || !self.show(frame) {
+                    return Ok(());
+                }
+            }
+            let said = decoder.finish()?;
+            if count == 0 {
+                let said =
+                    said.into_iter().next().unwrap_or_else(|| "no frame can be decoded".to_owned());
+                return Err(VideoError::Refused {
+                    path: path.to_owned(),
+                    doing: "decode it",
+                    said,
+                }
+                .into());
+            }
+        }
+    }
+}

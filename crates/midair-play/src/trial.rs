@@ -1,0 +1,107 @@
+//! How long a new viewpoint takes from its packet to the screen, measured from end to end.
+
+use std::net::{Ipv4Addr, UdpSocket};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// A trial with a synthetic tracker.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trial {
+    /// Packets to send.
+    pub packets: usize,
+    /// Packets a second.
+    pub rate: f64,
+}
+
+/// What came of it; milliseconds from the sending of a packet to the end of the presentation of the frame that obeys it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Latency {
+    /// Packets sent.
+    pub sent: usize,
+    /// Viewpoints that were shown; the others were overtaken by newer ones.
+    pub shown: usize,
+    /// Half of them took less.
+    pub median: f64,
+    /// All but one in a hundred took less.
+    pub percentile_99: f64,
+    /// The longest.
+    pub max: f64,
+    /// Median time for map and weights alone.
+    pub solve_median: f64,
+}
+
+/// When each packet left.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Departures(Arc<Mutex<Vec<Instant>>>);
+
+impl Departures {
+    pub fn of(&self, packet: u64) -> Option<Instant> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).get(packet as usize).copied()
+    }
+}
+
+/// Sends the packets of a head that sways: real UDP packets in opentrack's form, their number in the place of the yaw. `done` is called
+/// a second after the last.
+pub(crate) fn send(
+    trial: Trial,
+    port: u16,
+    around: [f64; 3],
+    done: impl FnOnce() + Send + 'static,
+) -> std::io::Result<Departures> {
+    let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0))?;
+    let departures = Departures::default();
+    let log = departures.clone();
+    std::thread::spawn(move || {
+        let start = Instant::now();
+        for number in 0..trial.packets {
+            let due = Duration::from_secs_f64(number as f64 / trial.rate);
+            std::thread::sleep(due.saturating_sub(start.elapsed()));
+            let t = number as f64 / trial.rate;
+            let sway = [40.0 * (2.1 * t).sin(), 15.0 * (1.3 * t).sin(), 20.0 * (0.7 * t).sin()];
+            let place: [f64; 3] = std::array::from_fn(|i| (around[i] + sway[i]) / 10.0);
+            let numbers = [place[0], place[1], place[2], number as f64, 0.0, 0.0];
+            let packet: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
+            log.0.lock().unwrap_or_else(PoisonError::into_inner).push(Instant::now());
+            // A packet that is lost is counted as never shown.
+            let _ = socket.send_to(&packet, (Ipv4Addr::LOCALHOST, port));
+        }
+        std::thread::sleep(Duration::from_secs(1));
+        done();
+    });
+    Ok(departures)
+}
+
+/// The figures of a trial; `None` if nothing was shown.
+pub(crate) fn latency(sent: usize, mut shown: Vec<f64>, mut solves: Vec<f64>) -> Option<Latency> {
+    shown.sort_by(f64::total_cmp);
+    solves.sort_by(f64::total_cmp);
+    let at = |sorted: &[f64], share: f64| {
+        let rank = (share * sorted.len() as f64).ceil() as usize;
+        sorted.get(rank.saturating_sub(1)).copied()
+    };
+    Some(Latency {
+        sent,
+        shown: shown.len(),
+        median: at(&shown, 0.5)?,
+        percentile_99: at(&shown, 0.99)?,
+        max: *shown.last()?,
+        solve_median: at(&solves, 0.5)?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percentiles_are_by_the_nearest_rank() {
+        let shown: Vec<f64> = (1..=200).rev().map(f64::from).collect();
+        let told = latency(210, shown, vec![3.0, 1.0, 2.0]).unwrap();
+        assert_eq!(
+            (told.median, told.percentile_99, told.max, told.solve_median),
+            (100.0, 198.0, 200.0, 2.0)
+        );
+        assert_eq!((told.sent, told.shown), (210, 200));
+        assert!(latency(3, vec![], vec![]).is_none());
+    }
+}
