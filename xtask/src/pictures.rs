@@ -27,6 +27,20 @@ const TUTORIAL: [(&str, &str); 2] = [
     ),
 ];
 
+/// Views of a bare plate: by a pinhole, by an eye, and what else is to be seen around the image.
+const PLATE_VIEWS: [(&str, &[&str]); 3] = [
+    ("pinhole.png", &["--exposure", "1.5"]),
+    ("eye.png", &["--exposure", "1.5", "--aperture", "6"]),
+    ("stray.png", &["--exposure", "1.5", "--aperture", "6", "--window", "8"]),
+];
+
+/// Three pictures side by side, 360 pixels wide each, in 256 colours to keep the repository small.
+const SIDE_BY_SIDE: &str = "[0]scale=360:-1:flags=lanczos,pad=iw+12:ih:0:0:white[a];\
+                            [1]scale=360:-1:flags=lanczos,pad=iw+12:ih:0:0:white[b];\
+                            [2]scale=360:-1:flags=lanczos[c];\
+                            [a][b][c]hstack=inputs=3,split[x][y];\
+                            [x]palettegen[p];[y][p]paletteuse=dither=sierra2_4a";
+
 /// Runs the program and puts its pictures where the pages look for them.
 pub fn run() -> Result<()> {
     setup::install()?;
@@ -63,9 +77,33 @@ pub fn run() -> Result<()> {
     let filter =
         "scale=640:-1:flags=lanczos,split[x][y];[x]palettegen[p];[y][p]paletteuse=dither=none";
     process::run(smaller.args(["-vf", filter]).arg(pictures.join("measure.png")))?;
+    plate(out.path(), &pictures)?;
     let mut check = midair();
     check.args(["check", "scenes/paper/cube.toml", "--out"]).arg(pictures.join("check.png"));
     process::run(&mut check)
+}
+
+/// The pictures of the page on the plate, by the commands that it shows.
+fn plate(out: &Path, pictures: &Path) -> Result<()> {
+    let character = out.join("plate");
+    process::run(midair().args(["plate", "scenes/paper/cube.toml", "--out"]).arg(&character))?;
+    for name in ["shares.png", "viewpoints.png", "sharpness.png"] {
+        std::fs::copy(character.join(name), pictures.join(format!("plate-{name}")))?;
+    }
+    let lattice = out.join("demo/picture.png");
+    for (name, options) in PLATE_VIEWS {
+        let mut view = midair();
+        view.args(["view", "scenes/plate.toml", "--size", "360x360", "--spp", "256", "--display"]);
+        process::run(view.arg(&lattice).arg("--out").arg(out.join(name)).args(options))?;
+    }
+    let mut ffmpeg = Command::new("ffmpeg");
+    ffmpeg.args(["-y", "-v", "error"]);
+    for (name, _) in PLATE_VIEWS {
+        ffmpeg.arg("-i").arg(out.join(name));
+    }
+    process::run(
+        ffmpeg.args(["-filter_complex", SIDE_BY_SIDE]).arg(pictures.join("plate-views.png")),
+    )
 }
 
 fn midair() -> Command {
@@ -74,17 +112,12 @@ fn midair() -> Command {
     command
 }
 
-/// Sets three pictures side by side, 360 pixels wide each, in 256 colours to keep the repository small.
+/// Sets a report's three pictures side by side.
 fn strip(folder: &Path, to: &Path) -> Result<()> {
-    let filter = "[0]scale=360:-1:flags=lanczos,pad=iw+12:ih:0:0:white[a];\
-                  [1]scale=360:-1:flags=lanczos,pad=iw+12:ih:0:0:white[b];\
-                  [2]scale=360:-1:flags=lanczos[c];\
-                  [a][b][c]hstack=inputs=3,split[x][y];\
-                  [x]palettegen[p];[y][p]paletteuse=dither=sierra2_4a";
     let mut ffmpeg = Command::new("ffmpeg");
     ffmpeg.args(["-y", "-v", "error"]);
     for name in STRIP {
         ffmpeg.arg("-i").arg(folder.join(name));
     }
-    process::run(ffmpeg.args(["-filter_complex", filter]).arg(to))
+    process::run(ffmpeg.args(["-filter_complex", SIDE_BY_SIDE]).arg(to))
 }

@@ -4,7 +4,9 @@ use super::{Outcome, set_ups};
 use midair::map::{Accuracy, Map, Status, invert, invert_into, pixel_centre, splat};
 use midair::media::display_image;
 use midair::media::optimal::{Weighting, optimal_display};
-use midair::simulate::Camera;
+use midair::optics::plate::SlitMirror;
+use midair::scene::model::PlateModel;
+use midair::simulate::{Camera, Plate, Settings, Viewer, Watch, render};
 use midair::transport::Setup;
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -98,6 +100,7 @@ pub fn of_midair(sizes: &Sizes) -> Vec<Row> {
     rows.push(Row::new("splat, ball of triangles, 1 spp", some, || {
         Ok(splat_work(set_ups::ball()?, 1))
     }));
+    rows.push(Row::new(SIMULATOR, some, simulator));
     pictures(&mut rows, [often, some, few]);
     match midair_program() {
         Some(program) => {
@@ -108,6 +111,33 @@ pub fn of_midair(sizes: &Sizes) -> Vec<Row> {
         None => eprintln!("no program: build it with `cargo build --release -p midair-cli`"),
     }
     rows
+}
+
+/// The forward simulator at work.
+const SIMULATOR: &str = "view light by light, cylinder, slit-mirror plate, 64 paths a pixel";
+
+/// 512 x 512 pixels through the paper's cylinder and the usual plate, by a pupil of 6 mm.
+///
+/// What bounds it is arithmetic: a path costs two Fresnel interfaces with a quadratic, a plate and a display, some 350 operations in
+/// double precision, of which 20 are divisions or roots; with vectors of four they take about 25 ns on a core of 3.5 GHz. That is the
+/// floor of doing it this way; what comes on top is the display's four pixels (gathered one by one), the sums, and the one path
+/// in twelve that is reflected inside and followed by itself.
+fn simulator() -> Outcome<Work> {
+    let setup = set_ups::scene("paper/cylinder.toml")?;
+    let plate = Plate::new(&PlateModel::SlitMirror(SlitMirror::default()))?;
+    let display = set_ups::picture(1024);
+    let camera = Camera::at_viewpoint(&setup, [512, 512]);
+    let viewer = Viewer { aperture: 6.0, ..Viewer::pinhole(camera) };
+    let settings = Settings { samples_per_pixel: 64, seed: 1 };
+    Ok(Box::new(move || {
+        let start = std::time::Instant::now();
+        let view = render(&setup, &plate, &display, &viewer, &settings, Watch::default())?;
+        let time = start.elapsed();
+        let speed = view.paths as f64 / time.as_secs_f64() * 1e-6;
+        let remark =
+            format!("{speed:.1} million paths/s; standard error {:.4} a pixel", view.error.noise);
+        Ok(Done { remark, time: Some(time) })
+    }))
 }
 
 /// Rows of what follows the map.

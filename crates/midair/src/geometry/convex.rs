@@ -162,6 +162,7 @@ impl Convex {
     }
 
     /// Where the line meets the curved face; NaN where it does not.
+    #[inline(always)]
     fn curved_root<T: Real>(&self, ray: &Ray<T>, crossing: Crossing) -> T {
         match (self.meetings(ray), crossing) {
             (Meetings::Chord { middle, half }, Crossing::Enter) => middle - half,
@@ -180,7 +181,7 @@ impl Convex {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn meetings<T: Real>(&self, ray: &Ray<T>) -> Meetings<T> {
         let (o, d) = (ray.origin, ray.direction);
         match *self {
@@ -213,6 +214,7 @@ impl Convex {
 
     /// Distance to a known face along a ray and the outward normal there; the face counts as unbounded, so
     /// that the result is the smooth continuation of the path beyond the face's edges.
+    #[inline(always)]
     pub fn cross<T: Real>(&self, ray: &Ray<T>, face: u32, crossing: Crossing) -> (T, Vec3<T>) {
         if face != CURVED {
             return self.cross_plane(ray, face);
@@ -250,6 +252,7 @@ impl Convex {
         (t, normal)
     }
 
+    #[inline(always)]
     fn cross_plane<T: Real>(&self, ray: &Ray<T>, face: u32) -> (T, Vec3<T>) {
         let axis = (face - 1) / 2;
         let sign = if face.is_multiple_of(2) { 1.0 } else { -1.0 };
@@ -267,6 +270,44 @@ impl Convex {
             _ => (o.z, d.z, half.z, Vec3::new(0.0, 0.0, sign)),
         };
         ((T::constant(sign * half) - along) / speed, Vec3::constant(normal))
+    }
+
+    /// Whether a point of a face's surface, continued without bounds, lies on the face itself and off its edges.
+    #[inline(always)]
+    pub fn within_face(&self, point: Vec3, face: u32) -> bool {
+        // As far from an edge that no rounding matters: what is nearer counts as off the face.
+        const SAFE: f64 = 1.0 - 1e-9;
+        let p = point;
+        match *self {
+            Self::Sphere { .. } | Self::Ellipsoid { .. } => true,
+            Self::Box { half } => {
+                let axis = (face - 1) / 2;
+                let inside = |x: f64, half: f64| x.abs() < SAFE * half;
+                ((axis == 0) | inside(p.x, half.x))
+                    & ((axis == 1) | inside(p.y, half.y))
+                    & ((axis == 2) | inside(p.z, half.z))
+            }
+            Self::Frustum { middle_radius, slope, half_height } => {
+                let radius = middle_radius + slope * p.y;
+                if face == CURVED {
+                    (p.y.abs() < SAFE * half_height) & ((slope == 0.0) | (radius > 0.0))
+                } else {
+                    p.x * p.x + p.z * p.z < SAFE * radius * radius
+                }
+            }
+        }
+    }
+
+    /// No point is further from the origin, mm.
+    pub fn reach(&self) -> f64 {
+        match *self {
+            Self::Sphere { radius } => radius,
+            Self::Ellipsoid { radii } => radii.x.max(radii.y).max(radii.z),
+            Self::Box { half } => half.length(),
+            Self::Frustum { middle_radius, slope, half_height } => {
+                (middle_radius + (slope * half_height).abs()).hypot(half_height)
+            }
+        }
     }
 
     /// Volume, mm^3.
@@ -297,9 +338,14 @@ enum Meetings<T> {
 
 /// The root of a t^2 + 2 b t + c = 0 that comes first or second along the line, without cancellation
 /// (Press et al., Numerical Recipes, 5.6); NaN where there is none.
+#[inline(always)]
 pub(super) fn quadratic_root<T: Real>(a: T, b: T, c: T, crossing: Crossing) -> T {
     let (q, q_over_a_is_later) = quadratic_parts(a, b, c);
-    if q_over_a_is_later == (crossing == Crossing::Leave) { q / a } else { c / q }
+    // What is chosen is what to divide: no branch, and one division.
+    let by_a = q_over_a_is_later == (crossing == Crossing::Leave);
+    let above = if by_a { q } else { c };
+    let below = if by_a { a } else { q };
+    above / below
 }
 
 /// Both roots of a t^2 + 2 b t + c = 0, the first along the line first: see [`quadratic_root`].
@@ -309,7 +355,7 @@ fn quadratic_roots<T: Real>(a: T, b: T, c: T) -> [T; 2] {
 }
 
 /// The roots are q / a and c / q. For a > 0, q / a is the later one where b <= 0.
-#[inline]
+#[inline(always)]
 fn quadratic_parts<T: Real>(a: T, b: T, c: T) -> (T, bool) {
     let root = (b * b - a * c).sqrt();
     let q = if b.value() > 0.0 { -(b + root) } else { root - b };

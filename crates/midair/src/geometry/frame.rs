@@ -34,26 +34,31 @@ impl Frame {
     }
 
     /// The frame's z axis: the normal of a plane or rectangle.
+    #[inline]
     pub fn normal(&self) -> Vec3 {
         self.axes[2]
     }
 
     /// A world point in this frame.
+    #[inline]
     pub fn to_local<T: Real>(&self, point: Vec3<T>) -> Vec3<T> {
         self.to_local_direction(point - Vec3::constant(self.origin))
     }
 
     /// A world direction in this frame.
+    #[inline]
     pub fn to_local_direction<T: Real>(&self, d: Vec3<T>) -> Vec3<T> {
         Vec3::new(d.dot_plain(self.axes[0]), d.dot_plain(self.axes[1]), d.dot_plain(self.axes[2]))
     }
 
     /// A point of this frame in the world.
+    #[inline]
     pub fn to_world<T: Real>(&self, point: Vec3<T>) -> Vec3<T> {
         self.to_world_direction(point) + Vec3::constant(self.origin)
     }
 
     /// A direction of this frame in the world.
+    #[inline]
     pub fn to_world_direction<T: Real>(&self, d: Vec3<T>) -> Vec3<T> {
         let [a, b, c] = self.axes;
         Vec3::new(

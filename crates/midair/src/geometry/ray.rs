@@ -13,11 +13,13 @@ pub struct Ray<T = f64> {
 
 impl<T: Real> Ray<T> {
     /// The point at distance `t`.
+    #[inline]
     pub fn at(&self, t: T) -> Vec3<T> {
         self.origin + self.direction.scaled(t)
     }
 
     /// The same ray in a thing's own frame; lengths along it stay as they are.
+    #[inline]
     pub fn to_local(&self, frame: &Frame) -> Self {
         Self {
             origin: frame.to_local(self.origin),
@@ -26,6 +28,7 @@ impl<T: Real> Ray<T> {
     }
 
     /// The ray without derivatives.
+    #[inline]
     pub fn value(&self) -> Ray {
         Ray { origin: self.origin.value(), direction: self.direction.value() }
     }

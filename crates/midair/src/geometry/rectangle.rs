@@ -22,12 +22,14 @@ impl Rectangle {
     }
 
     /// Coordinates (0 to 1 within the rectangle) of a world point's foot on the plane.
+    #[inline]
     pub fn coordinates<T: Real>(&self, point: Vec3<T>) -> [T; 2] {
         let local = self.frame.to_local(point);
         [local.x * self.size[0].recip() + 0.5, local.y * self.size[1].recip() + 0.5]
     }
 
     /// Distance along a ray to the rectangle's plane; infinite or NaN for a parallel one.
+    #[inline]
     pub fn plane_distance<T: Real>(&self, ray: &Ray<T>) -> T {
         let n = self.frame.normal();
         (Vec3::constant(self.frame.origin) - ray.origin).dot_plain(n) / ray.direction.dot_plain(n)

@@ -21,21 +21,25 @@ impl<T: Real> Vec3<T> {
     }
 
     /// A vector whose components are all constants.
+    #[inline]
     pub fn constant(v: Vec3<f64>) -> Self {
         Self::new(T::constant(v.x), T::constant(v.y), T::constant(v.z))
     }
 
     /// The components' values without derivatives.
+    #[inline]
     pub fn value(self) -> Vec3<f64> {
         Vec3::new(self.x.value(), self.y.value(), self.z.value())
     }
 
     /// Scalar product.
+    #[inline]
     pub fn dot(self, o: Self) -> T {
         self.x * o.x + self.y * o.y + self.z * o.z
     }
 
     /// Scalar product with a plain vector, cheaper than lifting that to constants.
+    #[inline]
     pub fn dot_plain(self, o: Vec3<f64>) -> T {
         self.x * o.x + self.y * o.y + self.z * o.z
     }
@@ -50,21 +54,25 @@ impl<T: Real> Vec3<T> {
     }
 
     /// Times a number of the same kind.
+    #[inline]
     pub fn scaled(self, s: T) -> Self {
         Self::new(self.x * s, self.y * s, self.z * s)
     }
 
     /// Squared length.
+    #[inline]
     pub fn squared_length(self) -> T {
         self.dot(self)
     }
 
     /// Length.
+    #[inline]
     pub fn length(self) -> T {
         self.squared_length().sqrt()
     }
 
     /// The same direction with length 1; NaN for the zero vector.
+    #[inline]
     pub fn normalized(self) -> Self {
         self.scaled(self.length().recip())
     }

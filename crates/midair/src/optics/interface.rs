@@ -18,6 +18,7 @@ use crate::geometry::{Real, Vec3};
 /// The mirror law: unit direction of the light that `n`'s surface reflects.
 ///
 /// The side that `n` is on does not matter.
+#[inline]
 pub fn reflect<T: Real>(d: Vec3<T>, n: Vec3<T>) -> Vec3<T> {
     d - n.scaled(d.dot(n) * 2.0)
 }
@@ -26,12 +27,14 @@ pub fn reflect<T: Real>(d: Vec3<T>, n: Vec3<T>) -> Vec3<T> {
 ///
 /// The vector form of n1 sin t1 = n2 sin t2 (Glassner, An Introduction to Ray Tracing, 1989,
 /// section 2.4.2): no angle is ever computed, and one square root is taken.
+#[inline]
 pub fn refract<T: Real>(d: Vec3<T>, n: Vec3<T>, eta: T) -> Vec3<T> {
     let cos_i = -d.dot(n);
     refract_with(d, n, eta, cos_i, refracted_cosine_squared(cos_i, eta).sqrt())
 }
 
 /// [`refract`] with both cosines already known, as [`fresnel`] leaves them.
+#[inline]
 pub fn refract_with<T: Real>(d: Vec3<T>, n: Vec3<T>, eta: T, cos_i: T, cos_t: T) -> Vec3<T> {
     d.scaled(eta) + n.scaled(eta * cos_i - cos_t)
 }
@@ -69,16 +72,17 @@ impl<T: Real> Fresnel<T> {
 ///
 /// From the critical angle on all light is reflected: `s` and `p` are 1 and `cos_t` is NaN beyond
 /// it. `cos_i` is in [0, 1].
+#[inline]
 pub fn fresnel<T: Real>(cos_i: T, eta: T) -> Fresnel<T> {
     let cos2_t = refracted_cosine_squared(cos_i, eta);
     let cos_t = cos2_t.sqrt();
-    if cos2_t.value() <= 0.0 {
-        return Fresnel { s: T::constant(1.0), p: T::constant(1.0), cos_t };
-    }
+    let total = cos2_t.value() <= 0.0;
+    // Computed in any case and then chosen: no branch, so that many rays can go side by side.
+    let share = |share: T| if total { T::constant(1.0) } else { share };
     let (a, b) = (eta * cos_i, eta * cos_t);
     Fresnel {
-        s: ((a - cos_t) / (a + cos_t)).squared(),
-        p: ((cos_i - b) / (cos_i + b)).squared(),
+        s: share(((a - cos_t) / (a + cos_t)).squared()),
+        p: share(((cos_i - b) / (cos_i + b)).squared()),
         cos_t,
     }
 }

@@ -120,6 +120,10 @@ impl Row {
         Self { done: 0, pixels: vec![Sums::default(); width] }
     }
 
+    pub(super) fn width(&self) -> usize {
+        self.pixels.len()
+    }
+
     pub(super) fn add(&mut self, column: usize, harvest: &Harvest) {
         let sums = &mut self.pixels[column];
         for (layer, more) in sums.light.iter_mut().zip(&harvest.light) {

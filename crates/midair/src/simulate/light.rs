@@ -101,6 +101,7 @@ impl From<SlitMirrorPlate> for Plate {
 }
 
 /// All that light meets.
+#[derive(Clone, Copy)]
 pub(super) struct Stage<'a> {
     pub(super) setup: &'a Setup,
     pub(super) plate: &'a Plate,
@@ -116,12 +117,18 @@ impl Chance {
     /// Yes with this probability.
     #[inline]
     fn decide(&mut self, probability: f64) -> bool {
-        let yes = self.0 < probability;
-        self.0 = match yes {
-            true => self.0 / probability,
-            false => (self.0 - probability) / (1.0 - probability),
-        };
+        let (yes, rest) = Self(self.0).decided(probability);
+        self.0 = rest;
         yes
+    }
+
+    /// The answer, and the number that is left.
+    #[inline(always)]
+    pub(super) fn decided(self, probability: f64) -> (bool, f64) {
+        let yes = self.0 < probability;
+        let below = if yes { self.0 } else { self.0 - probability };
+        let width = if yes { probability } else { 1.0 - probability };
+        (yes, below / width)
     }
 }
 

@@ -4,6 +4,7 @@
 //! course that light has through an ideal plate and clear elements; [`render`] follows light by chance
 //! with everything that happens to it, through a pupil of any size and a plate of any kind.
 
+mod bundle;
 mod camera;
 mod chart;
 mod film;
@@ -12,6 +13,7 @@ mod lens;
 mod light;
 mod measured;
 mod render;
+mod sequence;
 #[cfg(test)]
 mod tests;
 pub mod tone;

@@ -1,12 +1,13 @@
 //! The render: path after path, pass after pass, until there are enough.
 
+use super::bundle::{Bundle, LANES, Places, Straight};
 use super::film::{Harvest, REPLICATIONS, Render, Row, develop};
 use super::lens::{Lens, Viewer};
-use super::light::{Chance, Plate, Stage};
+use super::light::{Plate, Stage};
+use super::sequence::{Points, mix};
 use crate::media::Picture;
 use crate::transport::Setup;
 use rayon::prelude::*;
-use sobol_burley::sample_4d;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -97,9 +98,8 @@ pub enum SimulateError {
 /// through the plate and to the display. Views are deterministic for a seed, and unbiased but for paths that are longer
 /// than [`Setup::max_interactions`]: those end dark.
 ///
-/// Points on the pixel and pupil and the choices between reflection and refraction are Owen-scrambled Sobol
-/// points in five dimensions (Burley, Practical Hash-based Owen Scrambling, JCGT 9(4), 2020), eight independent
-/// sequences for each pixel; on smooth views the error falls almost as 1/N, at edges still faster than 1/sqrt N.
+/// Points on the pixel and pupil and the choices between reflection and refraction are scrambled Sobol points in five
+/// dimensions, eight sequences with independent random shifts for each pixel; on smooth views the error falls almost as 1/N, at edges still faster than 1/sqrt N.
 /// The light that was gathered is known with a standard error that these eight tell.
 ///
 /// # Errors
@@ -148,6 +148,9 @@ fn develop_stages(
     check(stages[0].0.display, viewer, settings)?;
     let [width, height] = viewer.camera.size;
     let lens = Lens::new(viewer, stages[0].0.setup);
+    let pupil = 0.5 * viewer.aperture;
+    let straight: Vec<Option<Straight>> =
+        stages.iter().map(|(stage, _)| Straight::of(stage, viewer.camera.eye, pupil)).collect();
     let start = Instant::now();
     let cancelled = || watch.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed));
 
@@ -157,18 +160,14 @@ fn develop_stages(
     while done < total {
         // Doubling passes show a picture soon; later ones are short enough to watch.
         let pass = done.max(1).min((total / 16).max(1)).min(total - done);
+        let points = Points::new(settings.seed, done, pass);
         rows.par_iter_mut().enumerate().for_each(|(row, line)| {
             if cancelled() {
                 return;
             }
-            for column in 0..width {
-                let pixel = (row * width + column) as u32;
-                let mut harvest = Harvest::default();
-                for (stage, colours) in stages {
-                    let numbers = Numbers { pixel, seed: settings.seed, first: done, count: pass };
-                    stage.pixel(&lens, [column, row], numbers, *colours, &mut harvest);
-                }
-                line.add(column, &harvest);
+            let of = Line { row, seed: settings.seed, points: &points, count: pass as usize };
+            for ((stage, colours), straight) in stages.iter().zip(&straight) {
+                stage.row(straight.as_ref(), &lens, of, *colours, line);
             }
             line.done += pass;
         });
@@ -187,55 +186,88 @@ fn develop_stages(
     Ok(develop(&rows, stages.len(), complete))
 }
 
-/// Which random numbers a pixel's paths get.
+/// Paths of one pixel in a bundle: one of each replication.
+const OCTETS: usize = LANES / REPLICATIONS;
+
+/// A row of the view, and the pass that it is in.
 #[derive(Clone, Copy)]
-struct Numbers {
-    pixel: u32,
+struct Line<'a> {
+    row: usize,
     seed: u32,
-    /// The first of each replication's sequence, and how many.
-    first: u32,
-    count: u32,
+    /// The sequence's points that each replication gets in this pass.
+    points: &'a Points,
+    count: usize,
 }
 
 impl Stage<'_> {
-    /// Follows paths through one pixel.
-    fn pixel(
+    /// Follows paths through one row of the view, as many through each of its pixels as the pass has, in bundles where `straight` knows
+    /// how; light is multiplied by `colours`.
+    fn row(
         &self,
+        straight: Option<&Straight>,
         lens: &Lens,
-        [column, row]: [usize; 2],
-        Numbers { pixel, seed, first, count }: Numbers,
+        line: Line,
         colours: [f64; 3],
-        harvest: &mut Harvest,
+        sums: &mut Row,
     ) {
-        let with_solids = !self.setup.elements.is_empty();
-        for replication in 0..REPLICATIONS {
-            // Every pixel and replication has its own sequence, and a longer one than the generator's 2^16
-            // goes on with another.
-            let own = mix(pixel ^ mix(seed ^ (replication as u32) << 28));
-            for index in first..first + count {
-                let (part, index) = (index >> 16, index & 0xffff);
-                let sequence = own.wrapping_add(part.wrapping_mul(0x9e37_79b9));
-                let [x, y, r, turn] = sample_4d(index, 0, sequence);
-                let ray =
-                    lens.ray(column as f64 + f64::from(x), row as f64 + f64::from(y), [r, turn]);
-                let chance =
-                    if with_solids { sobol_burley::sample(index, 4, sequence) } else { 0.0 };
-                if let Some((class, light)) = self.follow(ray, Chance(f64::from(chance))) {
-                    let light = std::array::from_fn(|c| light[c] * colours[c]);
-                    harvest.add(replication, class, light);
+        let width = sums.width();
+        let mut bundle = Bundle::new();
+        let mut at = Places {
+            column: [0.0; LANES],
+            pixel: [0; LANES],
+            row: line.row as f64,
+            index: [0; LANES],
+        };
+        let mut course = None;
+        let mut harvest = Harvest::default();
+        let octets = width * line.count;
+        for first in (0..octets).step_by(OCTETS) {
+            let used = OCTETS.min(octets - first);
+            // What is left over in the last bundle goes along and is not counted.
+            for octet in 0..OCTETS {
+                let place = (first + octet).min(octets - 1);
+                let (column, index) = (place / line.count, place % line.count);
+                let pixel = (line.row * width + column) as u32;
+                for replication in 0..REPLICATIONS {
+                    let lane = octet * REPLICATIONS + replication;
+                    at.column[lane] = column as f64;
+                    at.index[lane] = index as u32;
+                    at.pixel[lane] = mix(pixel ^ mix(line.seed ^ (replication as u32) << 28));
                 }
+            }
+            Straight::start(&mut bundle, lens, &at, line.points);
+            if let (Some(straight), None) = (straight, course) {
+                course = straight.course(&bundle);
+            }
+            let straight = straight.zip(course);
+            if let Some((straight, faces)) = straight {
+                straight.follow(&mut bundle, self, faces);
+            }
+            for octet in 0..used {
+                for replication in 0..REPLICATIONS {
+                    let lane = octet * REPLICATIONS + replication;
+                    let outcome = match straight {
+                        Some((straight, _)) => straight.outcome(&bundle, self, lane),
+                        None => {
+                            let (ray, chance) = bundle.first(lane);
+                            self.follow(ray, chance)
+                        }
+                    };
+                    if let Some((class, light)) = outcome {
+                        let light = std::array::from_fn(|c| light[c] * colours[c]);
+                        harvest.add(replication, class, light);
+                    }
+                }
+                if (first + octet + 1).is_multiple_of(line.count) {
+                    sums.add((first + octet) / line.count, &harvest);
+                    harvest = Harvest::default();
+                }
+            }
+            if straight.is_some() && bundle.is_lost() {
+                course = None;
             }
         }
     }
-}
-
-/// A hash of 32 bits in which every bit depends on every one (Wellons's "lowbias32", 2018).
-fn mix(mut x: u32) -> u32 {
-    x ^= x >> 16;
-    x = x.wrapping_mul(0x7feb_352d);
-    x ^= x >> 15;
-    x = x.wrapping_mul(0x846c_a68b);
-    x ^ x >> 16
 }
 
 fn check(display: &Picture, viewer: &Viewer, settings: &Settings) -> Result<(), SimulateError> {

@@ -100,6 +100,18 @@ pub enum Class {
     Through,
 }
 
+impl Class {
+    /// By the mirrors met in the two layers.
+    #[inline]
+    pub fn of(mirrors: [u32; 2]) -> Self {
+        match mirrors.map(|k| k % 2 == 1) {
+            [true, true] => Self::Real,
+            [false, false] => Self::Through,
+            _ => Self::Stray,
+        }
+    }
+}
+
 /// A ray's way through the plate; points and directions in the plate's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Passage {
@@ -196,9 +208,25 @@ impl SlitMirrorPlate {
     ///
     /// Odd in both layers gives [`pass_ideal`](super::pass_ideal)'s direction, to rounding.
     pub fn pass(&self, point: Vec3, direction: Vec3) -> Option<Passage> {
+        let passed = self.unfold(point, direction, direction.z > 0.0);
+        if !passed.open {
+            return None;
+        }
+        let mirrors = passed.mirrors.map(|met| met as u32);
+        Some(Passage {
+            exit_point: passed.exit_point,
+            direction: passed.direction,
+            mirrors,
+            class: Class::of(mirrors),
+            weight: self.weight(mirrors, passed.faces, passed.cos_t),
+        })
+    }
+
+    /// [`Self::pass`] in arithmetic without branches, for many rays at once: `upwards` is whether the direction's z is above 0.
+    #[inline(always)]
+    pub(crate) fn unfold(&self, point: Vec3, direction: Vec3, upwards: bool) -> Unfolded {
         let p = &self.parameters;
         let d = direction;
-        let upwards = d.z > 0.0;
         let face = if upwards { -self.half_thickness } else { self.half_thickness };
         let to_face = (face - point.z) / d.z;
         let at_face = [point.x + d.x * to_face, point.y + d.y * to_face];
@@ -212,45 +240,50 @@ impl SlitMirrorPlate {
         // Glass in front of each layer and behind it, as the ray meets them.
         let (near, far) = (p.cover_glass, p.cover_glass + p.layer_depth);
         let (before, after) = if upwards { (far, near) } else { (near, far) };
-        let first = self.cross_layer(at[0], along[0] * deflection, before, after)?;
-        let second = self.cross_layer(at[1], along[1] * deflection, after, before)?;
+        let first = self.cross_layer(at[0], along[0] * deflection, before, after);
+        let second = self.cross_layer(at[1], along[1] * deflection, after, before);
 
         let turned = |c: &Crossing, s: f64| if c.odd { -s } else { s };
         let exit = self.across_inverse([first.exit, second.exit]);
         let out = self.across_inverse([turned(&first, along[0]), turned(&second, along[1])]);
-
-        let met = first.mirrors.saturating_add(second.mirrors);
         let transmitted = f.transmittance();
-        let faces = transmitted * transmitted;
+        Unfolded {
+            exit_point: Vec3::new(exit[0], exit[1], -face),
+            direction: Vec3::new(out[0], out[1], d.z),
+            mirrors: [first.mirrors, second.mirrors],
+            open: first.open & second.open,
+            faces: transmitted * transmitted,
+            cos_t: f.cos_t,
+        }
+    }
+
+    /// Share of light left by linear R, G, B, after so many mirrors in the two layers: `faces` is what both faces transmit, `cos_t` the
+    /// cosine of the angle in the glass.
+    #[inline]
+    pub(crate) fn weight(&self, mirrors: [u32; 2], faces: f64, cos_t: f64) -> [f64; 3] {
+        let p = &self.parameters;
+        let met = mirrors[0].saturating_add(mirrors[1]);
         let mut weight = match self.powers.get(met as usize) {
             Some(&power) => power,
             None => p.reflectance.map(|r| r.powf(f64::from(met))),
         };
         weight = weight.map(|w| w * faces);
         if self.absorbs {
-            let left = beer_lambert(p.absorption, 2.0 * self.half_thickness / f.cos_t);
+            let left = beer_lambert(p.absorption, 2.0 * self.half_thickness / cos_t);
             weight = [weight[0] * left[0], weight[1] * left[1], weight[2] * left[2]];
         }
-        Some(Passage {
-            exit_point: Vec3::new(exit[0], exit[1], -face),
-            direction: Vec3::new(out[0], out[1], d.z),
-            mirrors: [first.mirrors, second.mirrors],
-            class: match (first.odd, second.odd) {
-                (true, true) => Class::Real,
-                (false, false) => Class::Through,
-                _ => Class::Stray,
-            },
-            weight,
-        })
+        weight
     }
 
     /// Components across layer 0's mirrors and across layer 1's, of local x and y.
+    #[inline]
     pub fn across(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let (s, c) = self.turn;
         [c * y - s * x, c * x + s * y]
     }
 
     /// Local x and y of components across the mirrors: the inverse of [`Self::across`].
+    #[inline]
     pub fn across_inverse(&self, [a, b]: [f64; 2]) -> [f64; 2] {
         let (s, c) = self.turn;
         [c * b - s * a, c * a + s * b]
@@ -259,25 +292,23 @@ impl SlitMirrorPlate {
     /// Crosses the plate in the plane across one layer's mirrors.
     ///
     /// `x` is the coordinate at the near face, `slope` its change per mm of depth, `before` and
-    /// `after` the depths of glass in front of the layer and behind it. `None`: a mirror's end.
-    fn cross_layer(&self, x: f64, slope: f64, before: f64, after: f64) -> Option<Crossing> {
+    /// `after` the depths of glass in front of the layer and behind it.
+    #[inline(always)]
+    fn cross_layer(&self, x: f64, slope: f64, before: f64, after: f64) -> Crossing {
         let entry = x + slope * before;
         // The clear space between two mirrors that the ray enters, and where in it.
         let space = (entry * self.inverse_pitch).floor() * self.parameters.pitch + self.half_mirror;
         let offset = entry - space;
         // True is what lets light in, so NaN is refused as well.
-        let free = (offset - 0.5 * self.clear).abs() <= self.half_clear;
-        if !free {
-            return None;
-        }
+        let open = (offset - 0.5 * self.clear).abs() <= self.half_clear;
         // Unfolded: a straight line over cells of the clear width.
         let unfolded = offset + slope * self.parameters.layer_depth;
         let cell = (unfolded * self.inverse_clear).floor();
-        let mirrors = cell.abs() as u32;
-        let odd = mirrors % 2 == 1;
+        let mirrors = cell.abs();
+        let odd = 0.5 * mirrors - (0.5 * mirrors).floor() > 0.25;
         let rest = unfolded - cell * self.clear;
         let (folded, slope) = if odd { (self.clear - rest, -slope) } else { (rest, slope) };
-        Some(Crossing { exit: space + folded + slope * after, mirrors, odd })
+        Crossing { exit: space + folded + slope * after, mirrors, odd, open }
     }
 }
 
@@ -285,8 +316,25 @@ impl SlitMirrorPlate {
 struct Crossing {
     /// Coordinate at the far face.
     exit: f64,
-    mirrors: u32,
+    /// How many mirrors were met: a whole number.
+    mirrors: f64,
     odd: bool,
+    /// Whether the ray entered between two mirrors; if not, the rest means nothing.
+    open: bool,
+}
+
+/// What [`SlitMirrorPlate::pass`] makes a passage of.
+pub(crate) struct Unfolded {
+    pub(crate) exit_point: Vec3,
+    pub(crate) direction: Vec3,
+    /// Mirrors met in each layer: whole numbers.
+    pub(crate) mirrors: [f64; 2],
+    /// Whether light leaves; if not, the rest means nothing.
+    pub(crate) open: bool,
+    /// Transmittance of both faces.
+    pub(crate) faces: f64,
+    /// Cosine of the angle in the glass.
+    pub(crate) cos_t: f64,
 }
 
 fn check(
