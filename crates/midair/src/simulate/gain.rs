@@ -18,7 +18,7 @@ pub fn gain(setup: &Setup, plate: &Plate, map: &Map) -> Gain {
         }
         setup.transport(uv, path).st()?;
         let left = setup.remainder(setup.ray(uv), path)?;
-        let real = plate.real_share(setup.plate.frame.to_local_direction(-left.at_plate));
+        let real = plate.real_share(setup.plate.frame.to_local_direction(-left.at_plate.direction));
         Some([0, 1, 2].map(|c| (left.share[c] * real[c]) as f32))
     };
     let rgb = map

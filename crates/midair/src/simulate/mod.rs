@@ -14,6 +14,7 @@ mod light;
 mod measured;
 mod render;
 mod sequence;
+mod stray;
 #[cfg(test)]
 mod tests;
 pub mod tone;
@@ -26,3 +27,4 @@ pub use lens::Viewer;
 pub use light::Plate;
 pub use measured::Measured;
 pub use render::{Progress, Settings, SimulateError, Watch, render, render_with_dispersion};
+pub use stray::{STRAY, StrayView, best_azimuth, stray_view};

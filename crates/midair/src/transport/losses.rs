@@ -3,20 +3,18 @@
 use super::path::{Action, Step};
 use super::setup::{Matter, Setup};
 use super::walk::Walk;
-use crate::geometry::{Ray, Vec3};
+use crate::geometry::Ray;
 use crate::optics::interface::{beer_lambert, fresnel};
 
 /// What the elements leave of light that goes along a path (either way: both ends are in air), and how it
-/// meets the plate and the display.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// meets the plate.
+#[derive(Clone, Copy, Debug)]
 pub struct Remainder {
     /// Share of the light that survives, by linear R, G, B: Fresnel's transmittance (unpolarised) at each surface, the mirrors'
     /// reflectance, and absorption within solids.
     pub share: [f64; 3],
-    /// The path's direction where it meets the plate, towards the display: a unit vector in the world.
-    pub at_plate: Vec3,
-    /// Its direction where it meets the display.
-    pub at_display: Vec3,
+    /// The path as it meets the plate, towards the display: the point, and a unit vector, in the world.
+    pub at_plate: Ray,
 }
 
 impl Setup {
@@ -39,7 +37,7 @@ impl Setup {
                 );
             }
             if step.action == Action::Plate {
-                at_plate = Some(ray.direction);
+                at_plate = Some(Ray { origin: ahead.origin, direction: ray.direction });
                 walk.leave_plate(ahead);
                 continue;
             }
@@ -62,7 +60,7 @@ impl Setup {
             let distance = self.display.plane_distance(&walk.ray);
             attenuate(&mut share, beer_lambert(absorption, distance));
         }
-        Some(Remainder { share, at_plate: at_plate?, at_display: walk.ray.direction })
+        Some(Remainder { share, at_plate: at_plate? })
     }
 }
 

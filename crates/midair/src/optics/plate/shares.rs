@@ -106,6 +106,28 @@ impl SlitMirrorPlate {
         shares
     }
 
+    /// Share of the light with unit direction `d` (plate's frame, from either side) that is turned across layer 0's and layer 1's
+    /// mirrors as `odd` says, by linear R, G, B: both odd is [`Shares::real`], one odd is a part of [`Shares::stray`].
+    pub fn share(&self, d: Vec3, odd: [bool; 2]) -> [f64; 3] {
+        let shares = self.shares(d);
+        match odd {
+            [true, true] => shares.real,
+            [false, false] => shares.through,
+            _ => {
+                // The two kinds of stray light divide as their parities do.
+                let parities = self.parities(d);
+                let p = self.parameters();
+                std::array::from_fn(|c| {
+                    let [(odd0, even0), (odd1, even1)] = parities.map(|x| x.left(p.reflectance[c]));
+                    let (first, second) = (odd0 * even1, even0 * odd1);
+                    let part = if odd[0] { first } else { second };
+                    let both = first + second;
+                    if both > 0.0 { shares.stray[c] * part / both } else { 0.0 }
+                })
+            }
+        }
+    }
+
     /// Luminance of the mid-air image over the display's, for light with unit direction `d`
     /// (plate's frame, from either side): the real share of [`Self::shares`], weighted by colour.
     pub fn efficiency(&self, d: Vec3) -> f64 {
@@ -250,6 +272,33 @@ mod tests {
             for (sum, share) in sums.iter().zip([shares.real, shares.stray, shares.through]) {
                 for c in 0..3 {
                     // Up to three boundaries an axis, each off by at most half a row in 200.
+                    assert!((sum[c] - share[c]).abs() < 3.0 / f64::from(n), "{sum:?} {share:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_kinds_of_stray_light_are_what_single_rays_do() {
+        let mut random = Random(21);
+        let n = 200;
+        for _ in 0..10 {
+            let parameters = random.plate();
+            let plate = SlitMirrorPlate::new(parameters).unwrap();
+            let d = random.direction();
+            let mut sums = [[0.0; 3]; 4];
+            for i in 0..n * n {
+                let place = |k: i32| (f64::from(k) + 0.5) / f64::from(n) * parameters.pitch;
+                let [x, y] = plate.across_inverse([place(i % n), place(i / n)]);
+                if let Some(p) = plate.pass(Vec3::new(x, y, 0.0), d) {
+                    let [a, b] = p.mirrors.map(|k| k as usize % 2);
+                    (0..3).for_each(|c| sums[2 * a + b][c] += p.weight[c] / f64::from(n * n));
+                }
+            }
+            for (kind, sum) in sums.iter().enumerate() {
+                let share = plate.share(d, [kind / 2 == 1, kind % 2 == 1]);
+                for c in 0..3 {
+                    // As above: up to three boundaries an axis, each off by at most half a row in 200.
                     assert!((sum[c] - share[c]).abs() < 3.0 / f64::from(n), "{sum:?} {share:?}");
                 }
             }
