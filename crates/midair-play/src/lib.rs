@@ -2,8 +2,8 @@
 //!
 //! Threads: the window's (warps the newest frame by the newest map and presents it), the source's (frames at their times), the tracker's
 //! (packets), and the solver's (a map for the newest viewpoint; older requests are dropped, so that the show never waits). Frames are
-//! warped by the processor: the kernels of `midair::media::Warp` take a few milliseconds for a full-HD frame, which
-//! a software renderer of a graphics interface does not reach, and a machine without a graphics card can run the show.
+//! warped by the processor: the kernels of `midair::media::Warp` take a few milliseconds for a full-HD frame, so that a machine
+//! without a graphics card can run the show.
 
 mod letters;
 mod nudge;

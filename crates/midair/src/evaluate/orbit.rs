@@ -87,9 +87,13 @@ pub fn orbit(
             supersampling: settings.supersampling,
         };
         let samples = camera.samples(setup, &|_| {});
+        // What is displaced beyond the image's edge is seen in the window around it.
+        let mut wide = there.clone();
+        wide.image.size = wide.image.size.map(|side| side * settings.window);
+        let (around, _) = invert(&wide, Accuracy::default());
         let seen = |display: &Picture, shown_by: &Setup| -> Result<Seen, ProofError> {
             let view = view_through(&samples, display)?;
-            let places = lattice_places(shown_by, &tracked, &settings.lattice);
+            let places = lattice_places(shown_by, &around, settings);
             Ok(measure(view, &places, &camera, &settings.lattice, picture.is_none()))
         };
         stations.push(Station {
@@ -103,16 +107,13 @@ pub fn orbit(
     Ok(stations)
 }
 
-/// Where the lattice's intersections are seen, uv: the transport of `shown_by` tells the display points that show them, and `from_here`,
-/// the map of the eye that looks, where those are seen.
-fn lattice_places(
-    shown_by: &Setup,
-    from_here: &Map,
-    style: &LatticeStyle,
-) -> Vec<Option<[f64; 2]>> {
-    let places = style.intersections_uv().into_iter().map(|uv| {
+/// Where the lattice's intersections are seen, uv: the transport of `shown_by` tells the display points that show them, and
+/// `from_here`, the map of the eye that looks for an image as large as the window, where those are seen.
+fn lattice_places(shown_by: &Setup, from_here: &Map, settings: &Settings) -> Vec<Option<[f64; 2]>> {
+    let places = settings.lattice.intersections_uv().into_iter().map(|uv| {
         let st = shown_by.transport(uv, &mut Path::new()).formed()?;
-        interpolated(from_here, st)
+        let seen = interpolated(from_here, st)?;
+        Some(seen.map(|c| 0.5 + (c - 0.5) * settings.window))
     });
     places.collect()
 }
@@ -147,7 +148,7 @@ mod tests {
 
     fn settings() -> Settings {
         Settings {
-            view: [300, 300],
+            view: [240, 240],
             window: 1.25,
             supersampling: 1,
             lattice: LatticeStyle { line_width: 0.02, ..LatticeStyle::default() },
@@ -167,10 +168,10 @@ mod tests {
     #[test]
     fn without_an_object_nothing_moves() {
         let mut setup = setup(20.0, vec![]);
-        setup.resolution = [300, 300];
+        setup.resolution = [240, 240];
         for station in orbit(&setup, None, &[-10.0, 15.0], &settings(), &()).unwrap() {
             for seen in [&station.fixed, &station.tracked] {
-                // The map is exact to 1e-6 of 300 px; detection to a few hundredths.
+                // The map is exact to 1e-6 of 240 px; detection to a few hundredths.
                 assert!(seen.exact.max < 1e-3, "{}", seen.exact.max);
                 assert!(seen.measured.as_ref().unwrap().mean < 0.1);
             }
@@ -184,15 +185,18 @@ mod tests {
         let block: Shape = block(80.0, 80.0, 50.0);
         let mut setup = setup(20.0, vec![element(block, ACRYLIC, [0.0; 3], [0.0; 3], 0)]);
         setup.viewpoint = Vec3::new(0.0, 0.0, 8000.0);
-        setup.resolution = [300, 300];
-        let stations = orbit(&setup, None, &[0.0, 12.0], &settings(), &()).unwrap();
+        // Large enough for what has to be shown beside it.
+        setup.display.size = [30.0; 2];
+        setup.resolution = [360, 360];
+        let stations = orbit(&setup, None, &[0.0, 8.0], &settings(), &()).unwrap();
         let [ahead, aside] = &stations[..] else { panic!() };
+        assert_eq!(aside.fixed.exact.compared(), 49);
         assert!(ahead.fixed.exact.max < 0.01);
-        let a = 12f64.to_radians();
+        let a = 8f64.to_radians();
         let shift = 50.0 * a.sin() * (1.0 - a.cos() / (1.49f64.powi(2) - a.sin().powi(2)).sqrt());
         // Across the line of sight; on the image's plane, which is seen aslant, 1 / cos a of it. View pixels are 20 mm
-        // times 1.25 over 300.
-        let pixels = shift / a.cos() / (25.0 / 300.0);
+        // times 1.25 over 240.
+        let pixels = shift / a.cos() / (25.0 / 240.0);
         // The eye is not at infinity: angles differ over the image by up to 10 / 8000.
         let mean = aside.fixed.exact.mean;
         assert!((mean - pixels).abs() < 0.02 * pixels, "{mean} {pixels}");
