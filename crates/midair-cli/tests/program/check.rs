@@ -52,3 +52,24 @@ fn what_is_not_formed_is_named_with_its_element() {
     let picture = read_still(&bench.path("check.png")).unwrap().picture;
     assert!(picture.width > 1000 && picture.height > 600);
 }
+
+#[test]
+fn stray_images_are_placed_and_drawn_on_request() {
+    let bench = Bench::new();
+    let told = bench.json(&["check", &scene("ball.toml"), "--size", "64x64"]);
+    // An ideal plate throws none.
+    assert!(told["stray"].is_null(), "{told}");
+    let told =
+        bench.json(&["check", &scene("ball.toml"), "--size", "64x64", "--stray", "stray.png"]);
+    let stray = &told["stray"];
+    assert_eq!(stray["assumed_plate"], true);
+    // The ball and the plate are symmetric about the middle: so are the two stray images.
+    let covered = |kind: usize| stray["kinds"][kind]["covered"].as_f64().unwrap();
+    assert!((covered(0) - covered(1)).abs() < 0.005 && covered(0) > 0.0, "{told}");
+    assert!(stray["over_image_at_best"].as_f64() <= stray["over_image"].as_f64(), "{told}");
+    let picture = read_still(&bench.path("stray.png")).unwrap().picture;
+    // The image is in the middle, a quarter as wide as the picture.
+    let at = |x: usize, y: usize| picture.pixels[y * picture.width + x];
+    assert!(at(picture.width / 2, picture.height / 2)[1] > 0.1);
+    assert!(at(2, 2)[1] == 0.0);
+}

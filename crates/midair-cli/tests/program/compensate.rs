@@ -249,3 +249,74 @@ fn the_repositorys_scenes_are_compensated() {
         assert!(told["status"]["ok"].as_u64().unwrap() > 500, "{name}: {told}");
     }
 }
+
+/// A block of flint, tinted, in front of a display with a response of its own.
+const TINTED: &str = "[display]\nresolution = [96, 96]\nsize = [40.0, 40.0]\ngamma = 1.8\nblack = 0.05\n\
+    [[element]]\nshape = { kind = \"box\", size = [50.0, 50.0, 50.0] }\nrotation = [0.0, 30.0, 0.0]\n\
+    material = { glass = \"SF10\" }\nabsorption = [0.002, 0.004, 0.008]\n";
+
+#[test]
+fn gain_colours_and_the_displays_response_are_taken_into_account() {
+    let bench = Bench::new();
+    bench.write("tinted.toml", set_up(TINTED));
+    let white = midair::media::Picture::filled(8, 8, [1.0; 4]);
+    write_still(&bench.path("white.png"), &white, Depth::Eight).unwrap();
+    let told = bench.json(&[
+        "compensate",
+        "tinted.toml",
+        "--image",
+        "white.png",
+        "--out",
+        "out",
+        "--gain",
+        "clip",
+        "--per-channel",
+    ]);
+    let names =
+        ["display.png", "map_b.exr", "map_g.exr", "map_r.exr", "map_rgb.exr", "report.json"];
+    assert_eq!(bench.names("out"), names);
+    let brightness = &told["brightness"];
+    let [least, most] = ["least", "most"].map(|key| brightness["gain"][key].as_f64().unwrap());
+    assert!(0.3 < least && least < most && most < 0.9, "{told}");
+    // Only along the edges, where the three colours' regions differ by a pixel or two, is a colour dark.
+    assert!(brightness["darker_than_black"].as_f64().unwrap() < 0.05, "{told}");
+    assert!(told["colours"]["blue"]["status"]["ok"].as_u64().unwrap() > 1000);
+    // In the middle of the map: what the display emits of each colour, through what is left of it, is the level.
+    let display = read_still(&bench.path("out/display.png")).unwrap().picture;
+    let level = brightness["gain"]["level"].as_f64().unwrap();
+    for (c, name) in ["map_r.exr", "map_g.exr", "map_b.exr"].into_iter().enumerate() {
+        let loaded = read_map(&bench.path(&format!("out/{name}")), None, None).unwrap();
+        let gain = loaded.gain.expect("the map carries its gain");
+        let pixel = (0..96 * 96)
+            .filter(|&pixel| loaded.map.status[pixel] == Status::Ok)
+            .nth(2000)
+            .expect("enough pixels");
+        let code = midair::media::srgb::encode(f64::from(display.pixels[pixel][c]));
+        let emitted = 0.05 + 0.95 * code.powf(1.8);
+        let seen = emitted * f64::from(gain.rgb[pixel][c]);
+        // Half a step of 255 at a slope of 1.8, or the display's white.
+        let clipped = code > 0.999 && seen < level;
+        assert!(clipped || (seen - level).abs() < 0.005, "{seen} {level} {code}");
+    }
+    // Blue is the most absorbed: the display shows more of it than of red.
+    let sum = |c: usize| display.pixels.iter().map(|pixel| f64::from(pixel[c])).sum::<f64>();
+    assert!(sum(2) > 1.05 * sum(0), "{} {}", sum(0), sum(2));
+    let said =
+        bench.succeed(&["compensate", "tinted.toml", "--image", "white.png", "--out", "plain"]);
+    assert!(!said.contains("arrives"));
+}
+
+#[test]
+fn a_display_that_contradicts_itself_is_refused() {
+    let bench = Bench::new();
+    bench.write("two.csv", "code,light\n0,0\n255,1\n");
+    let both = TINTED.replace("gamma = 1.8", "gamma = 1.8\nresponse = \"two.csv\"");
+    bench.write("both.toml", set_up(&both));
+    let said = bench.refuse(&["compensate", "both.toml", "--out", "out"]);
+    assert!(said.contains("both a gamma and a measured response"), "{said}");
+    bench.write("bad.csv", "code,light\n0,3\n255,1\n");
+    let falling = TINTED.replace("gamma = 1.8", "response = \"bad.csv\"");
+    bench.write("falling.toml", set_up(&falling));
+    let said = bench.refuse(&["compensate", "falling.toml", "--out", "out"]);
+    assert!(said.contains("bad.csv") && said.contains("line 3"), "{said}");
+}

@@ -105,13 +105,14 @@ impl StrayView {
 }
 
 /// The turn of the plate in its own plane that leaves the least stray light over the image: its mirrors' azimuth in degrees, and the view
-/// then. Azimuths within `limits`, in steps of `step`; of equal ones the nearest to the present one.
+/// then, of this many pixels. Azimuths within `limits`, in steps of `step`; of equal ones the nearest to the present one.
 ///
 /// The display's own place does not matter: only lit pixels throw stray light, and where those are is settled by the image.
 pub fn best_azimuth(
     setup: &Setup,
     plate: &SlitMirrorPlate,
     map: &Map,
+    size: [usize; 2],
     limits: [f64; 2],
     step: f64,
 ) -> (f64, StrayView) {
@@ -122,12 +123,12 @@ pub fn best_azimuth(
     let view = |azimuth: f64| {
         let turned = crate::optics::plate::SlitMirror { azimuth, ..*plate.parameters() };
         let plate = SlitMirrorPlate::new(turned).unwrap_or_else(|_| plate.clone());
-        stray_view(setup, &plate, map, [48, 48], 1.0)
+        stray_view(setup, &plate, map, size, 1.0)
     };
     let mut best = (present, view(present));
     for azimuth in azimuths {
         let seen = view(azimuth);
-        // A hundredth is what the grid of 48 can tell.
+        // Differences of less than a hundredth are the grid's.
         let dimmer = seen.image.iter().sum::<f64>() < 0.5 * best.1.image.iter().sum::<f64>();
         if !dimmer && seen.burden() < best.1.burden() - 0.01 {
             best = (azimuth, seen);
@@ -190,7 +191,7 @@ mod tests {
             let plate =
                 SlitMirrorPlate::new(SlitMirror { azimuth, ..SlitMirror::default() }).unwrap();
             let before = stray_view(&setup, &plate, &map(), [48, 48], 1.0);
-            let (found, after) = best_azimuth(&setup, &plate, &map(), [0.0, 90.0], 7.5);
+            let (found, after) = best_azimuth(&setup, &plate, &map(), [48; 2], [0.0, 90.0], 7.5);
             assert!(after.burden() <= before.burden(), "{azimuth} {found}");
             assert!((0.0..=90.0).contains(&found));
         }

@@ -1,5 +1,7 @@
 //! `midair check`: what can be formed, what cannot, and why.
 
+mod stray;
+
 use crate::arguments::{Size, check_picture_name, open_scene};
 use crate::failure::Failure;
 use crate::output::Output;
@@ -13,12 +15,13 @@ use midair::transport::Setup;
 use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::path::PathBuf;
+use stray::Stray;
 
 /// Tell what part of the image can be formed, what cannot, and why
 ///
 /// Also draws it: the image as the viewer sees it and the display's pixels, coloured by what becomes of them.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  midair check scene.toml --out check.png")]
+#[command(after_help = "Example:\n  midair check scene.toml --out check.png --stray stray.png")]
 pub struct Arguments {
     /// Scene file (TOML or JSON)
     scene: PathBuf,
@@ -28,14 +31,31 @@ pub struct Arguments {
     /// The display's resolution instead of the scene's
     #[arg(long, value_name = "WxH")]
     size: Option<Size>,
+    /// Draw as well where the plate's stray images fall, four times as wide as the image: the image white, stray images orange and blue, what is
+    /// seen through the plate green
+    #[arg(long, value_name = "FILE")]
+    stray: Option<PathBuf>,
 }
 
 pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     check_picture_name(&arguments.out)?;
     let loaded = open_scene(&arguments.scene, arguments.size)?;
     let (mut output, name) = Output::of_file(&arguments.out)?;
-    let checked = write_check(&loaded, &mut output, &name)?;
-    let files = output.finish()?;
+    let mut checked = write_check(&loaded, &mut output, &name)?;
+    let mut files = output.finish()?;
+    let setup = Setup::new(&loaded)?;
+    let (map, _) = invert(&setup, Accuracy::default());
+    let asked = arguments.stray.is_some();
+    if let Some(stray) = Stray::of(&loaded.scene.plate.model, &setup, &map, asked)? {
+        checked.lines += &stray.lines();
+        checked.json["stray"] = stray.json();
+        if let Some(file) = &arguments.stray {
+            check_picture_name(file)?;
+            let (mut output, name) = Output::of_file(file)?;
+            output.write(&name, |path| write_still(path, &stray.picture(), Depth::Eight))?;
+            files.extend(output.finish()?);
+        }
+    }
     voice.note(&loaded.notes);
     let mut told = checked.json;
     told["notes"] = json!(loaded.notes);
