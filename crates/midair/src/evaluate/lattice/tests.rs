@@ -285,10 +285,9 @@ fn cut(
 
 /// An edge of a glass cube cuts the lattice in two and displaces one part by less than half a period.
 ///
-/// Pieces are named rightly, but where a line is traced across a cut, single crossings near it are up to a pixel off: the curve
-/// through its centres bends along with the jump instead of being told broken.
+/// Seen: pieces are named rightly, but one crossing, 72 pixels from its cut, was 1.03 pixels off. Why is not known.
 #[test]
-#[ignore = "known: a line traced across a cut is not told broken"]
+#[ignore = "known: single crossings beside a cut were seen a pixel off"]
 fn a_lattice_cut_by_an_edge_is_put_together() {
     let style = LatticeStyle { line_width: 0.008, ..Default::default() };
     let mut uniform = noise(11);
