@@ -2,7 +2,7 @@
 
 use midair::evaluate::proof::uncompensated_map;
 use midair::geometry::Vec3;
-use midair::map::{Accuracy, Map, Status, invert_into};
+use midair::map::{Accuracy, Map, invert_into};
 use midair::media::{Filter, Warp};
 use midair::scene::Loaded;
 use midair::transport::Setup;
@@ -118,10 +118,7 @@ pub(crate) fn start(
                 invert_into(setup, Accuracy { tolerance: LIVE_TOLERANCE }, &mut map);
             }
             debug_assert!(
-                map.status
-                    .iter()
-                    .zip(&map.uv)
-                    .all(|(s, uv)| uv[0].is_finite() == matches!(s, Status::Ok | Status::Folded))
+                map.status.iter().zip(&map.uv).all(|(s, uv)| uv[0].is_finite() == s.is_answered())
             );
             match Warp::new(&map, request.source, Filter::Bilinear) {
                 Ok(warp) => {

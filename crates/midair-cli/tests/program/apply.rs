@@ -5,7 +5,7 @@ use midair::map::format::{Format, write_map};
 use midair::map::{Map, Status};
 use midair::media::video::{Decoder, probe};
 use midair::media::{Depth, display_image, read_still, srgb, write_still};
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 fn no_ffmpeg() -> bool {
@@ -200,29 +200,40 @@ fn means_are_means_of_light_at_8_and_at_10_bits() {
     }
 }
 
+/// A run on a film of so many seconds, 30 frames each, in pieces of ten frames, caught once a piece is complete.
+fn caught(bench: &Bench, seconds: u32, piece: &str) -> Child {
+    save(bench, &turned(64, 48));
+    ffmpeg(
+        bench,
+        &format!(
+            "-f lavfi -i testsrc2=size=320x240:rate=30:duration={seconds} -c:v libx264 -preset ultrafast in.mp4"
+        ),
+    );
+    let run = bench
+        .command(&["apply", "map.exr", "in.mp4", "out.mp4", "--piece", "10"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let piece = bench.path(piece);
+    let start = Instant::now();
+    while !piece.exists() && start.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    run
+}
+
 #[test]
 fn a_killed_run_leaves_no_film_and_is_gone_on_with() {
     if no_ffmpeg() {
         return;
     }
     let bench = Bench::new();
-    save(&bench, &turned(64, 48));
-    ffmpeg(
-        &bench,
-        "-f lavfi -i testsrc2=size=320x240:rate=30:duration=6 -c:v libx264 -preset ultrafast in.mp4",
-    );
-    let arguments = ["apply", "map.exr", "in.mp4", "out.mp4", "--piece", "10"];
-    let mut run =
-        bench.command(&arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-    // Until the second piece is complete.
-    let piece = bench.path(".out.mp4.midair-pieces/000001.json");
-    let start = Instant::now();
-    while !piece.exists() && start.elapsed() < Duration::from_secs(60) {
-        std::thread::sleep(Duration::from_millis(5));
-    }
+    let second = ".out.mp4.midair-pieces/000001.json";
+    let mut run = caught(&bench, 6, second);
     run.kill().unwrap();
     run.wait().unwrap();
-    assert!(piece.exists() && !bench.path("out.mp4").exists());
+    assert!(bench.path(second).exists() && !bench.path("out.mp4").exists());
     // Other work is not gone on with.
     let said =
         bench.refuse(&["apply", "map.exr", "in.mp4", "out.mp4", "--piece", "30", "--resume"]);
@@ -250,25 +261,14 @@ fn an_interrupt_says_how_to_go_on() {
         return;
     }
     let bench = Bench::new();
-    save(&bench, &turned(64, 48));
-    ffmpeg(
-        &bench,
-        "-f lavfi -i testsrc2=size=320x240:rate=30:duration=20 -c:v libx264 -preset ultrafast in.mp4",
-    );
-    let arguments = ["apply", "map.exr", "in.mp4", "out.mp4", "--piece", "10"];
-    let run =
-        bench.command(&arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
-    let piece = bench.path(".out.mp4.midair-pieces/000000.json");
-    let start = Instant::now();
-    while !piece.exists() && start.elapsed() < Duration::from_secs(60) {
-        std::thread::sleep(Duration::from_millis(5));
-    }
+    let first = ".out.mp4.midair-pieces/000000.json";
+    let run = caught(&bench, 20, first);
     let id = run.id().to_string();
     assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
     let output = run.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130));
     assert!(String::from_utf8_lossy(&output.stderr).contains("--resume"));
-    assert!(!bench.path("out.mp4").exists() && piece.exists());
+    assert!(!bench.path("out.mp4").exists() && bench.path(first).exists());
 }
 
 #[test]

@@ -16,6 +16,11 @@ pub enum Status {
 }
 
 impl Status {
+    /// Whether the pixel has an answer: an image point that it shows.
+    pub fn is_answered(self) -> bool {
+        matches!(self, Self::Ok | Self::Folded)
+    }
+
     /// The status that a file's number stands for.
     pub fn from_code(code: f32) -> Option<Self> {
         [Self::Ok, Self::Folded, Self::Outside, Self::Blocked]

@@ -91,7 +91,7 @@ impl Grid {
         for y in 0..map.height {
             for x in 0..map.width {
                 let [from, to] = [y * map.width + x, (y + 1) * ringed.width + x + 1];
-                if matches!(map.status[from], Status::Ok | Status::Folded) {
+                if map.status[from].is_answered() {
                     ringed.uv[to] = map.uv[from];
                 }
             }

@@ -17,7 +17,7 @@ pub struct Splat {
 impl Splat {
     /// Pixels that the exact map answers and the samples missed.
     pub fn holes(&self, exact: &Map) -> usize {
-        let answered = |status: &Status| matches!(status, Status::Ok | Status::Folded);
+        let answered = |status: &Status| status.is_answered();
         exact
             .status
             .iter()

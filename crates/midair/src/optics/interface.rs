@@ -98,6 +98,14 @@ pub fn beer_lambert(absorption: [f64; 3], length: f64) -> [f64; 3] {
     absorption.map(|a| if a == 0.0 { 1.0 } else { (-a * length).exp() })
 }
 
+/// Leaves of light by linear R, G, B the share that something passes of each.
+#[inline]
+pub fn attenuate(light: &mut [f64; 3], by: [f64; 3]) {
+    for c in 0..3 {
+        light[c] *= by[c];
+    }
+}
+
 /// The angle of incidence, in degrees, from which light is totally reflected; `None` if there is
 /// none, because the other side is not the optically thinner one (`eta <= 1`).
 pub fn critical_angle(eta: f64) -> Option<f64> {

@@ -10,7 +10,7 @@
 use super::light::{Chance, Plate, Stage};
 use super::sequence::Points;
 use crate::geometry::{Convex, Crossing, Frame, Ray, Search, Shape, Vec3};
-use crate::optics::interface::{beer_lambert, fresnel, reflect, refract_with};
+use crate::optics::interface::{attenuate, beer_lambert, fresnel, reflect, refract_with};
 use crate::optics::plate::{Class, SlitMirrorPlate, pass_ideal};
 use crate::simulate::lens::Lens;
 use crate::transport::Matter;
@@ -372,20 +372,19 @@ impl<'a> Straight<'a> {
             return None;
         }
         let mut light = [1.0; 3];
-        let mut attenuate = |by: [f64; 3]| (0..3).for_each(|c| light[c] *= by[c]);
         if let Some(Solid { absorption: Some(absorption), .. }) = &self.solid
             && bundle.inside[i]
         {
-            attenuate(beer_lambert(*absorption, bundle.length[i]));
+            attenuate(&mut light, beer_lambert(*absorption, bundle.length[i]));
         }
         let mut class = Class::Real;
         if let Some(plate) = self.plate {
             let mirrors = bundle.mirrors.map(|lanes| lanes[i] as u32);
             class = Class::of(mirrors);
-            attenuate(plate.weight(mirrors, bundle.faces[i], bundle.cos_t[i]));
+            attenuate(&mut light, plate.weight(mirrors, bundle.faces[i], bundle.cos_t[i]));
         }
         let [r, g, b, _] = stage.display.emitted([bundle.st[0][i], bundle.st[1][i]])?;
-        attenuate([r, g, b].map(f64::from));
+        attenuate(&mut light, [r, g, b].map(f64::from));
         Some((class, light))
     }
 }

@@ -3,7 +3,7 @@
 use super::Measured;
 use crate::geometry::{Frame, Ray, Vec3};
 use crate::media::Picture;
-use crate::optics::interface::{beer_lambert, fresnel, reflect, refract_with};
+use crate::optics::interface::{attenuate, beer_lambert, fresnel, reflect, refract_with};
 use crate::optics::plate::{Class, LuminanceTable, PlateError, SlitMirrorPlate, pass_ideal};
 use crate::scene::model::PlateModel;
 use crate::transport::{Action, Matter, Setup, Step, Walk};
@@ -69,9 +69,7 @@ impl Plate {
             }
         }
     }
-}
 
-impl Plate {
     /// Share of the light that leaves the plate along a unit vector in its frame, from the display, that forms the mid-air
     /// image: by linear R, G, B, averaged over the lattice.
     pub fn real_share(&self, direction: Vec3) -> [f64; 3] {
@@ -236,11 +234,4 @@ impl Stage<'_> {
 #[inline]
 fn ahead(distance: f64) -> f64 {
     if distance > 0.0 { distance } else { f64::INFINITY }
-}
-
-#[inline]
-fn attenuate(light: &mut [f64; 3], by: [f64; 3]) {
-    for c in 0..3 {
-        light[c] *= by[c];
-    }
 }

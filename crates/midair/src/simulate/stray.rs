@@ -1,8 +1,8 @@
 //! Where the plate's stray images fall for the viewer, and how bright they are.
 
 use crate::geometry::{Ray, Vec3};
-use crate::map::{Map, Status, pixel_at, pixel_centre};
-use crate::optics::plate::{SlitMirrorPlate, luminance};
+use crate::map::{Map, pixel_at, pixel_centre};
+use crate::optics::plate::{SlitMirror, SlitMirrorPlate, luminance};
 use crate::transport::{Path, Setup};
 use rayon::prelude::*;
 
@@ -42,7 +42,7 @@ pub fn stray_view(
         let st = setup.display.coordinates(ray.at(distance));
         st.iter().all(|c| (0.0..=1.0).contains(c)) && {
             let (column, row) = pixel_at(st, map.width, map.height);
-            matches!(map.status[row * map.width + column], Status::Ok | Status::Folded)
+            map.status[row * map.width + column].is_answered()
         }
     };
     let of_pixel = |path: &mut Path, index: usize| -> [f64; 4] {
@@ -105,14 +105,14 @@ impl StrayView {
 }
 
 /// The turn of the plate in its own plane that leaves the least stray light over the image: its mirrors' azimuth in degrees, and the view
-/// then, of this many pixels. Azimuths within `limits`, in steps of `step`; of equal ones the nearest to the present one.
+/// then, like the one `seen_now`. Azimuths within `limits`, in steps of `step`; of equal ones the nearest to the present one.
 ///
 /// The display's own place does not matter: only lit pixels throw stray light, and where those are is settled by the image.
 pub fn best_azimuth(
     setup: &Setup,
     plate: &SlitMirrorPlate,
     map: &Map,
-    size: [usize; 2],
+    seen_now: &StrayView,
     limits: [f64; 2],
     step: f64,
 ) -> (f64, StrayView) {
@@ -121,12 +121,12 @@ pub fn best_azimuth(
     let mut azimuths: Vec<f64> = (0..=steps).map(|k| limits[0] + step * k as f64).collect();
     azimuths.sort_by(|a, b| (a - present).abs().total_cmp(&(b - present).abs()));
     let view = |azimuth: f64| {
-        let turned = crate::optics::plate::SlitMirror { azimuth, ..*plate.parameters() };
+        let turned = SlitMirror { azimuth, ..*plate.parameters() };
         let plate = SlitMirrorPlate::new(turned).unwrap_or_else(|_| plate.clone());
-        stray_view(setup, &plate, map, size, 1.0)
+        stray_view(setup, &plate, map, seen_now.size, seen_now.window)
     };
-    let mut best = (present, view(present));
-    for azimuth in azimuths {
+    let mut best = (present, seen_now.clone());
+    for azimuth in azimuths.into_iter().filter(|&azimuth| azimuth != present) {
         let seen = view(azimuth);
         // Differences of less than a hundredth are the grid's.
         let dimmer = seen.image.iter().sum::<f64>() < 0.5 * best.1.image.iter().sum::<f64>();
@@ -140,8 +140,6 @@ pub fn best_azimuth(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::map::Map;
-    use crate::optics::plate::SlitMirror;
     use crate::transport::bench_setup::setup;
 
     /// All of the display lit.
@@ -191,7 +189,7 @@ mod tests {
             let plate =
                 SlitMirrorPlate::new(SlitMirror { azimuth, ..SlitMirror::default() }).unwrap();
             let before = stray_view(&setup, &plate, &map(), [48, 48], 1.0);
-            let (found, after) = best_azimuth(&setup, &plate, &map(), [48; 2], [0.0, 90.0], 7.5);
+            let (found, after) = best_azimuth(&setup, &plate, &map(), &before, [0.0, 90.0], 7.5);
             assert!(after.burden() <= before.burden(), "{azimuth} {found}");
             assert!((0.0..=90.0).contains(&found));
         }

@@ -4,7 +4,7 @@ use super::path::{Action, Step};
 use super::setup::{Matter, Setup};
 use super::walk::Walk;
 use crate::geometry::Ray;
-use crate::optics::interface::{beer_lambert, fresnel};
+use crate::optics::interface::{attenuate, beer_lambert, fresnel};
 
 /// What the elements leave of light that goes along a path (either way: both ends are in air), and how it
 /// meets the plate.
@@ -61,12 +61,6 @@ impl Setup {
             attenuate(&mut share, beer_lambert(absorption, distance));
         }
         Some(Remainder { share, at_plate: at_plate? })
-    }
-}
-
-fn attenuate(share: &mut [f64; 3], by: [f64; 3]) {
-    for c in 0..3 {
-        share[c] *= by[c];
     }
 }
 

@@ -87,7 +87,7 @@ impl Arguments {
         let mut map = loaded.map;
         // What a map says beyond its covered region is for tools that interpolate; the display stays dark there.
         for (uv, status) in map.uv.iter_mut().zip(&map.status) {
-            if *status as u8 > 1 {
+            if !status.is_answered() {
                 *uv = [f64::NAN; 2];
             }
         }

@@ -43,10 +43,9 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let (mut output, name) = Output::of_file(&arguments.out)?;
     let mut checked = write_check(&loaded, &mut output, &name)?;
     let mut files = output.finish()?;
-    let setup = Setup::new(&loaded)?;
-    let (map, _) = invert(&setup, Accuracy::default());
     let asked = arguments.stray.is_some();
-    if let Some(stray) = Stray::of(&loaded.scene.plate.model, &setup, &map, asked)? {
+    let model = &loaded.scene.plate.model;
+    if let Some(stray) = Stray::of(model, &checked.setup, &checked.map, asked)? {
         checked.lines += &stray.lines();
         checked.json["stray"] = stray.json();
         if let Some(file) = &arguments.stray {
@@ -65,6 +64,8 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
 
 /// What a check says.
 pub struct Checked {
+    setup: Setup,
+    map: Map,
     lines: String,
     json: Value,
 }
@@ -83,10 +84,9 @@ pub fn write_check(loaded: &Loaded, output: &mut Output, name: &str) -> Result<C
     let advice = Advice::of(&setup, &formation);
     let picture = status_picture::draw(&loaded.scene.name, &formation, &parts, &map);
     output.write(name, |path| write_still(path, &picture, Depth::Eight))?;
-    Ok(Checked {
-        lines: lines(loaded, &setup, &parts, &map, advice.as_ref()),
-        json: told(loaded, &setup, &parts, &map, advice.as_ref()),
-    })
+    let lines = lines(loaded, &setup, &parts, &map, advice.as_ref());
+    let json = told(loaded, &setup, &parts, &map, advice.as_ref());
+    Ok(Checked { setup, map, lines, json })
 }
 
 /// The kinds of image points that there are, the most frequent first, formed ones before all.

@@ -53,7 +53,7 @@ impl Stray {
             .map_err(|error| Failure::new(error.to_string(), "change the scene's [plate]"))?;
         let near = stray_view(setup, &plate, map, GRID, 1.0);
         let wide = stray_view(setup, &plate, map, [PIXELS; 2], WINDOW);
-        let best = best_azimuth(setup, &plate, map, GRID, LIMITS, STEP);
+        let best = best_azimuth(setup, &plate, map, &near, LIMITS, STEP);
         Ok(Some(Self { near, wide, azimuth: parameters.azimuth, best, assumed }))
     }
 

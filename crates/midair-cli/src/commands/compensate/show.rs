@@ -131,29 +131,25 @@ pub fn optimal(
     picture: &Picture,
     initial: &Picture,
 ) -> Result<Picture, Failure> {
-    let mut best = optimal_for(loaded, &solutions.0[0].setup, picture, initial)?;
+    let setup = &solutions.main().setup;
+    let [width, height] = setup.resolution;
+    let camera = Camera::at_viewpoint(setup, view_size(setup, width));
+    check_view(camera.size, camera.supersampling)?;
+    // Without elements there is no dispersion: one target for all colours. Its rays are let go before those of the views.
+    let target = {
+        let open = Reference::new(loaded, &camera, &|_| {});
+        view_through(&open.samples, &display_image(picture, &Map::identity(width, height)))?
+    };
+    let best_for = |setup: &Setup| -> Result<Picture, Failure> {
+        let samples = camera.samples(setup, &|_| {});
+        Ok(optimal_display(&samples, &target, initial, Weighting::default())?.display)
+    };
+    let mut best = best_for(&solutions.0[0].setup)?;
     for (c, solved) in solutions.0.iter().enumerate().skip(1) {
-        let other = optimal_for(loaded, &solved.setup, picture, initial)?;
+        let other = best_for(&solved.setup)?;
         best.pixels.iter_mut().zip(&other.pixels).for_each(|(pixel, other)| pixel[c] = other[c]);
     }
     Ok(best)
-}
-
-fn optimal_for(
-    loaded: &Loaded,
-    setup: &Setup,
-    picture: &Picture,
-    initial: &Picture,
-) -> Result<Picture, Failure> {
-    let [width, height] = setup.resolution;
-    let size = view_size(setup, width);
-    let camera = Camera::at_viewpoint(setup, size);
-    check_view(size, camera.supersampling)?;
-    let open = Reference::new(loaded, &camera, &|_| {});
-    let target =
-        view_through(&open.samples, &display_image(picture, &Map::identity(width, height)))?;
-    let samples = camera.samples(setup, &|_| {});
-    Ok(optimal_display(&samples, &target, initial, Weighting::default())?.display)
 }
 
 /// Writes what the display shows: 8 bits for a picture of 8 bits, else 16, and OpenEXR for an OpenEXR picture as well.

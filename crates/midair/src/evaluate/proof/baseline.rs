@@ -48,11 +48,7 @@ impl Baseline {
                 count += 1;
             }
         }
-        let reached = exact
-            .status
-            .iter()
-            .filter(|status| matches!(status, Status::Ok | Status::Folded))
-            .count();
+        let reached = exact.status.iter().filter(|status| status.is_answered()).count();
         Ok(Self {
             spp,
             holes: splat.holes(exact),

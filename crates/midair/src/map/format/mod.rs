@@ -22,7 +22,7 @@ pub use exr_channels::{Channels, MAX_PIXELS, SampleKind, decode_channels, write_
 pub use kind::{Format, UnknownFormat};
 pub(crate) use png::{decode_samples, write_png};
 
-use super::{Gain, Map, Status};
+use super::{Gain, Map};
 use std::path::{Path, PathBuf};
 
 /// A map from a file.
@@ -129,7 +129,7 @@ pub fn write_map_and_gain(
         Format::Mpcdi => mpcdi::write(map, source, path)?,
     }
     let bled =
-        || map.uv.iter().zip(&map.status).any(|(uv, s)| answer(*uv).is_some() && !covered(*s));
+        || map.uv.iter().zip(&map.status).any(|(uv, s)| answer(*uv).is_some() && !s.is_answered());
     if matches!(format, Format::Ffmpeg | Format::OpenCv | Format::OpenCvYaml) && bled() {
         let file = pair::coverage(path);
         png::write_coverage(map, &file)?;
@@ -183,11 +183,6 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
 /// uv where there are any: an answer, or what [`bleed`](super::bleed) put in its place.
 fn answer(uv: [f64; 2]) -> Option<[f64; 2]> {
     uv.iter().all(|x| x.is_finite()).then_some(uv)
-}
-
-/// Whether the pixel has an answer of its own.
-fn covered(status: Status) -> bool {
-    matches!(status, Status::Ok | Status::Folded)
 }
 
 #[cfg(test)]

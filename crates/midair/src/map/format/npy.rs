@@ -1,7 +1,7 @@
 //! NumPy arrays: midair's own `npy` format, and the arrays of others.
 
 use super::exr_channels::check_size;
-use super::{FileError, LoadedMap, answer, covered, pair, read_bytes, write_atomically};
+use super::{FileError, LoadedMap, answer, pair, read_bytes, write_atomically};
 use crate::map::{Map, Status};
 use npyz::WriterBuilder;
 use std::io;
@@ -139,7 +139,7 @@ pub(super) fn read(path: &Path) -> Result<LoadedMap, FileError> {
             let problem = format!("{code} is none of 0, 1, 2, 3");
             return Err(FileError::malformed(&beside, place(), problem, "save it again"));
         };
-        if covered(status) && loaded.map.uv[i][0].is_nan() {
+        if status.is_answered() && loaded.map.uv[i][0].is_nan() {
             let problem = "its status is ok but it has no u and v";
             return Err(FileError::malformed(path, place(), problem, "save both from one map"));
         }

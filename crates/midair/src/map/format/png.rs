@@ -1,7 +1,7 @@
 //! PNG (and JPEG) files as samples, and maps in 16-bit PNG.
 
 use super::exr_channels::{MAX_PIXELS, check_size};
-use super::{FileError, LoadedMap, answer, covered, write_atomically};
+use super::{FileError, LoadedMap, answer, write_atomically};
 use crate::map::{Map, Status};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::metadata::Orientation;
@@ -106,7 +106,7 @@ pub(super) fn write_map_png(map: &Map, path: &Path) -> Result<(), FileError> {
     for (uv, status) in map.uv.iter().zip(&map.status) {
         let code = |x: f64| (x.clamp(0.0, 1.0) * 65535.0).round() as u16;
         let [u, v] = answer(*uv).map_or([0; 2], |uv| uv.map(code));
-        let alpha = if covered(*status) { 65535u16 } else { 0 };
+        let alpha = if status.is_answered() { 65535u16 } else { 0 };
         samples.extend([u, v, 0, alpha].map(u16::to_ne_bytes).as_flattened());
     }
     write_png(path, (map.width, map.height), &samples, ExtendedColorType::Rgba16)
@@ -119,7 +119,7 @@ pub(super) fn write_coverage(map: &Map, path: &Path) -> Result<(), FileError> {
 
 /// See [`write_coverage`].
 pub(super) fn coverage(map: &Map) -> Vec<u8> {
-    map.status.iter().map(|&status| if covered(status) { 255 } else { 0 }).collect()
+    map.status.iter().map(|&status| if status.is_answered() { 255 } else { 0 }).collect()
 }
 
 pub(super) fn read_map_png(path: &Path, bytes: &[u8]) -> Result<LoadedMap, FileError> {

@@ -1,6 +1,6 @@
 //! Maps in OpenEXR files: STMap, Blender, TouchDesigner.
 
-use super::{FileError, LoadedMap, SampleKind, answer, covered, decode_channels, write_channels};
+use super::{FileError, LoadedMap, SampleKind, answer, decode_channels, write_channels};
 use crate::map::{Gain, Map, Status};
 use std::path::Path;
 
@@ -41,7 +41,7 @@ fn masked(map: &Map, axis: usize) -> Vec<f32> {
 }
 
 fn cover(map: &Map) -> Vec<f32> {
-    map.status.iter().map(|&status| f32::from(covered(status))).collect()
+    map.status.iter().map(|&status| f32::from(status.is_answered())).collect()
 }
 
 pub(super) fn write_blender(map: &Map, path: &Path) -> Result<(), FileError> {
@@ -95,7 +95,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], cover: Cover) -> Result<LoadedMap,
         };
         // 0 under a mask of 0 is what tools write for want of a NaN.
         let none = answer(uv).is_none() || (masked_out && told.is_none() && uv == [0.0; 2]);
-        if none && covered(status) {
+        if none && status.is_answered() {
             let place = format!("column {}, row {}", i % map.width, i / map.width);
             let problem = "its status is ok but it has no u and v";
             return Err(FileError::malformed(path, place, problem, "export the map again"));

@@ -1,4 +1,5 @@
 use super::*;
+use crate::map::Status;
 use proptest::prelude::*;
 use std::io::Write as _;
 
@@ -63,7 +64,7 @@ fn every_format_comes_back_to_its_own_precision() {
             if full {
                 assert_eq!(told, status, "{format}");
             } else {
-                assert_eq!(*told == Status::Ok, covered(*status), "{format}");
+                assert_eq!(*told == Status::Ok, status.is_answered(), "{format}");
             }
         }
         assert_eq!(format == Format::ExrHalf, read.notes.iter().any(|note| note.contains("half")));
@@ -97,7 +98,7 @@ fn a_bled_ring_survives_with_its_coverage_apart() {
         assert_eq!(files.len(), plain.len() + 1, "{format}");
         let mask = image::open(files.last().unwrap()).unwrap().into_luma8();
         for (pixel, status) in mask.as_raw().iter().zip(&map.status) {
-            assert_eq!(*pixel, if covered(*status) { 255 } else { 0 }, "{format}");
+            assert_eq!(*pixel, if status.is_answered() { 255 } else { 0 }, "{format}");
         }
         let read = read_map(&path, Some(format), Some(SOURCE)).unwrap().map;
         let extended = |map: &Map| map.uv.iter().filter(|uv| uv[0].is_finite()).count();
@@ -206,7 +207,7 @@ proptest! {
             let map = read.map;
             prop_assert_eq!(map.uv.len(), map.width * map.height);
             for (uv, status) in map.uv.iter().zip(&map.status) {
-                prop_assert!(answer(*uv).is_some() || !covered(*status));
+                prop_assert!(answer(*uv).is_some() || !status.is_answered());
             }
         }
     }

@@ -3,7 +3,7 @@
 use super::Leaf;
 use super::patch::Patch;
 use super::pixels::{Point, Raster};
-use super::row::{Row, enter};
+use super::row::{Row, Stretch, enter};
 use crate::map::{Map, Status, pixel_centre};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -92,6 +92,7 @@ fn fill_row<'a>(
         let within = [patch.cell.low.map(|c| c - margin), patch.cell.high.map(|c| c + margin)];
         let (uv, status) = (&mut uv[columns.clone()], &mut status[columns.clone()]);
         let polynomial = patch.row(patch.scaled(t, 1));
-        polynomial.enter(start, step, within, patch.blocked, Row { uv, status });
+        let stretch = Stretch { start, step, within, blocked: patch.blocked };
+        polynomial.enter(&stretch, Row { uv, status });
     }
 }

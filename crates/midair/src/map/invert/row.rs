@@ -19,6 +19,17 @@ pub(super) struct Row<'a> {
     pub status: &'a mut [Status],
 }
 
+/// Which answers are entered into a stretch of a row.
+pub(super) struct Stretch {
+    /// Where the first pixel lies, from -1 to 1 over the patch, and how far it is to the next.
+    pub start: f64,
+    pub step: f64,
+    /// The image points that the patch answers for: lower left, upper right.
+    pub within: [[f64; 2]; 2],
+    /// Whether its light is blocked.
+    pub blocked: bool,
+}
+
 /// Pixels that are worked out at once: as many as keep the units for multiplication busy.
 const LANES: usize = 16;
 
@@ -29,58 +40,37 @@ impl RowPolynomial {
         [u[0], v[0]]
     }
 
-    /// Enters the answers at `start + k * step` for each k into a stretch of a row, if they lie within `low` and `high`. NaN is
-    /// written where there is none. With the widest instructions that this machine has.
-    pub fn enter(&self, start: f64, step: f64, within: [[f64; 2]; 2], blocked: bool, row: Row<'_>) {
+    /// Enters the answers into a stretch of a row, NaN where there is none. With the widest instructions that this machine has.
+    pub fn enter(&self, stretch: &Stretch, row: Row<'_>) {
         #[cfg(target_arch = "x86_64")]
         {
             if is_x86_feature_detected!("avx512f") {
                 // SAFETY: the instructions were just found to exist.
-                return unsafe { self.enter_avx512(start, step, within, blocked, row) };
+                return unsafe { self.enter_avx512(stretch, row) };
             }
             if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
                 // SAFETY: the instructions were just found to exist.
-                return unsafe { self.enter_avx2(start, step, within, blocked, row) };
+                return unsafe { self.enter_avx2(stretch, row) };
             }
         }
-        self.enter_lanes(start, step, within, blocked, row);
+        self.enter_lanes(stretch, row);
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx512f")]
-    fn enter_avx512(
-        &self,
-        start: f64,
-        step: f64,
-        within: [[f64; 2]; 2],
-        blocked: bool,
-        row: Row<'_>,
-    ) {
-        self.enter_lanes(start, step, within, blocked, row);
+    fn enter_avx512(&self, stretch: &Stretch, row: Row<'_>) {
+        self.enter_lanes(stretch, row);
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,fma")]
-    fn enter_avx2(
-        &self,
-        start: f64,
-        step: f64,
-        within: [[f64; 2]; 2],
-        blocked: bool,
-        row: Row<'_>,
-    ) {
-        self.enter_lanes(start, step, within, blocked, row);
+    fn enter_avx2(&self, stretch: &Stretch, row: Row<'_>) {
+        self.enter_lanes(stretch, row);
     }
 
     #[inline(always)]
-    fn enter_lanes(
-        &self,
-        start: f64,
-        step: f64,
-        [low, high]: [[f64; 2]; 2],
-        blocked: bool,
-        row: Row<'_>,
-    ) {
+    fn enter_lanes(&self, stretch: &Stretch, row: Row<'_>) {
+        let Stretch { start, step, within: [low, high], blocked } = *stretch;
         let answered = if blocked { Status::Blocked } else { Status::Ok };
         let blocks = row.uv.chunks_mut(LANES).zip(row.status.chunks_mut(LANES));
         for (block, (uv, status)) in blocks.enumerate() {

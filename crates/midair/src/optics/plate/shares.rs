@@ -50,6 +50,18 @@ impl Parity {
     }
 }
 
+/// What is left of light from one direction, factor by factor.
+struct Arriving {
+    /// After both faces.
+    faces: f64,
+    /// Of that, after the glass, by linear R, G, B.
+    glass: [f64; 3],
+    /// Of that, beside the mirrors' ends.
+    open: f64,
+    /// Of that, after the mirrors of the two layers, met an odd and an even number of times, by linear R, G, B.
+    left: [[(f64, f64); 2]; 3],
+}
+
 impl SlitMirrorPlate {
     /// Share of the light with unit direction `d` (plate's frame) that meets an odd number of
     /// mirrors in layer 0 and in layer 1, of that which misses the mirrors' ends.
@@ -78,21 +90,15 @@ impl SlitMirrorPlate {
     /// The two layers are crossed independently, because their mirrors are at right angles: the
     /// mean over the plate of [`pass`](Self::pass)'s weights is exactly this.
     pub fn shares(&self, d: Vec3) -> Shares {
-        let p = self.parameters();
-        let f = fresnel(d.z.abs(), 1.0 / p.ior);
-        let faces = f.transmittance() * f.transmittance();
-        if faces <= 0.0 {
+        let Some(Arriving { faces, glass, open, left }) = self.arriving(d) else {
             let none = [0.0; 3];
             return Shares { real: none, stray: none, through: none, absorbed: [1.0; 3] };
-        }
-        let glass = beer_lambert(p.absorption, p.thickness() / f.cos_t);
-        let open = (1.0 - p.mirror_thickness / p.pitch).powi(2);
-        let parities = self.parities(d);
+        };
         let mut shares =
             Shares { real: [0.0; 3], stray: [0.0; 3], through: [0.0; 3], absorbed: [0.0; 3] };
         for c in 0..3 {
             let entering = faces * glass[c] * open;
-            let [(odd0, even0), (odd1, even1)] = parities.map(|x| x.left(p.reflectance[c]));
+            let [(odd0, even0), (odd1, even1)] = left[c];
             shares.real[c] = entering * odd0 * odd1;
             shares.stray[c] = entering * (odd0 * even1 + even0 * odd1);
             shares.through[c] = entering * even0 * even1;
@@ -109,23 +115,31 @@ impl SlitMirrorPlate {
     /// Share of the light with unit direction `d` (plate's frame, from either side) that is turned across layer 0's and layer 1's
     /// mirrors as `odd` says, by linear R, G, B: both odd is [`Shares::real`], one odd is a part of [`Shares::stray`].
     pub fn share(&self, d: Vec3, odd: [bool; 2]) -> [f64; 3] {
-        let shares = self.shares(d);
-        match odd {
-            [true, true] => shares.real,
-            [false, false] => shares.through,
-            _ => {
-                // The two kinds of stray light divide as their parities do.
-                let parities = self.parities(d);
-                let p = self.parameters();
-                std::array::from_fn(|c| {
-                    let [(odd0, even0), (odd1, even1)] = parities.map(|x| x.left(p.reflectance[c]));
-                    let (first, second) = (odd0 * even1, even0 * odd1);
-                    let part = if odd[0] { first } else { second };
-                    let both = first + second;
-                    if both > 0.0 { shares.stray[c] * part / both } else { 0.0 }
-                })
+        let Some(Arriving { faces, glass, open, left }) = self.arriving(d) else {
+            return [0.0; 3];
+        };
+        std::array::from_fn(|c| {
+            let [first, second] = left[c];
+            let of =
+                |(turned, straight): (f64, f64), odd: bool| if odd { turned } else { straight };
+            faces * glass[c] * open * of(first, odd[0]) * of(second, odd[1])
+        })
+    }
+
+    /// What the faces, the glass and the mirrors' ends let on, and what mirrors leave of that; `None` where the faces let nothing in.
+    fn arriving(&self, d: Vec3) -> Option<Arriving> {
+        let p = self.parameters();
+        let f = fresnel(d.z.abs(), 1.0 / p.ior);
+        let faces = f.transmittance() * f.transmittance();
+        (!(faces <= 0.0)).then(|| {
+            let parities = self.parities(d);
+            Arriving {
+                faces,
+                glass: beer_lambert(p.absorption, p.thickness() / f.cos_t),
+                open: (1.0 - p.mirror_thickness / p.pitch).powi(2),
+                left: p.reflectance.map(|reflectance| parities.map(|x| x.left(reflectance))),
             }
-        }
+        })
     }
 
     /// Luminance of the mid-air image over the display's, for light with unit direction `d`
