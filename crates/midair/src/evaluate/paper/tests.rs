@@ -62,8 +62,8 @@ fn through_an_ideal_plate_compensation_restores_the_reference() {
         .unwrap();
         let row = &rows[0].row;
         println!("{file}: {row:?} exposure {}", rows[0].exposure);
-        // What is left after a blur, which takes the noise of eight paths a pixel off (Fresnel's 4 % at each surface of the cylinder are
-        // left to chance), is a quarter at most of what distortion does: measured, a sixth on the cylinder.
+        // Compared after a blur since the plain SSIM did not hold; that the noise of eight paths a pixel is why was not checked. What is
+        // left is a quarter at most of what distortion does: measured, a sixth on the cylinder.
         let lost = |scores: Scores| 1.0 - scores.blurred_ssim;
         assert!(lost(row.with) < 0.25 * lost(row.without), "{file}: {row:?}");
         assert!(lost(row.with) < 0.03 && row.with.ssim > row.without.ssim, "{file}: {row:?}");
@@ -98,7 +98,8 @@ fn the_cube_displaces_the_lattice_as_a_slab_does() {
         // Lines of sight to the lattice's corners differ by a quarter of a degree, 1.6 % of the angle.
         let expected = shift(incidence(view.azimuth));
         assert!((without / expected - 1.0).abs() < 0.03, "{without} {expected}");
-        // A tenth of the view's pixels, which are 3.5 of the camera's: eight paths a pixel are noisy.
+        // A tenth of the view's pixels, which are 3.5 of the camera's. It was set after 0.25 was measured where 0.15 was asked; that the
+        // noise of eight paths a pixel is the cause was not checked.
         assert!(view.with.unwrap() < 0.35, "{view:?}");
         let moved = (shift(incidence(view.azimuth)) - shift(incidence(0.0))).abs();
         assert!((view.kept.unwrap() - moved).abs() < 0.05 * moved + 0.35, "{view:?} {moved}");
