@@ -310,7 +310,14 @@ fn lines(told: &serde_json::Value) -> String {
         let paper = PUBLISHED_DISPLACEMENT.iter().find(|p| name.starts_with(p.surface));
         let paper = paper.map(|p| format!("{:.2}, {:.2}", p.with, p.without)).unwrap_or_default();
         let (with, without) = (show(&one["mean"]["with"], 2), show(&one["mean"]["without"], 2));
-        lines += &format!("  {name:22}{with:>14}{without:>10}{paper:>22}\n");
+        let count = |key: &str| one["mean"][key].as_u64().unwrap_or(0);
+        let over = format!(
+            "over {} of {} azimuths, {} intersections",
+            count("azimuths"),
+            one["views"].as_array().map_or(0, Vec::len),
+            count("intersections")
+        );
+        lines += &format!("  {name:22}{with:>14}{without:>10}{paper:>22}  {over}\n");
     }
     for (key, title) in [
         ("ssim", "SSIM"),
@@ -363,7 +370,7 @@ fn assumptions(arguments: &Arguments, settings: &Settings, exposures: &[f64]) ->
         format!("Exposure: the light of all three views of a photograph is multiplied by the factor that makes the reference as bright on average as the photograph ({least:.2} to {most:.2} here), as by a camera set once; what is brighter than white is clipped."),
         "The reference is the view through the same plate without the object: a bent mirror is replaced by a flat one at its crest or bottom, for without a mirror nothing would be seen from there.".to_owned(),
         "Without compensation, the display shows the photograph in the image's true size where it belongs without the object (the other way round behind a mirror). With compensation, the display is as large as the whole image needs, which is larger than the scene files' for the cube.".to_owned(),
-        format!("Figure 7: the camera goes round the vertical through the image's centre and looks at it. Displacement is told in pixels of a camera that pictures a millimetre at the image as {} pixels: the paper gives the sensor (6000 x 4000) and no lens; its 78.87 pixels for the cube fit that scale. It is measured between intersections detected in rendered views ({} pixels a side, {} of the image's width), without aligning them, and the mean is over those found in both views. The lattice's lines are {} of the image wide. Their width, the view's size and the number of paths were chosen together by trying, until most intersections were found; which of them matters was not examined. A mean over part of the intersections or azimuths is not the paper's mean.", settings.pixels_per_mm, settings.shape_size, settings.shape_window, settings.line_width),
+        format!("Figure 7: the camera goes round the vertical through the image's centre and looks at it. Displacement is told in pixels of a camera that pictures a millimetre at the image as {} pixels: the paper gives the sensor (6000 x 4000) and no lens; its 78.87 pixels for the cube fit that scale. It is measured between intersections detected in rendered views ({} pixels a side, {} of the image's width), without aligning them. The mean at an azimuth is over the intersections found under all conditions there, and means over azimuths are over those where every condition was measured; the tables tell how many. The lattice's lines are {} of the image wide. Lines, size and paths were chosen by trying, and which of them matters was not examined: with lines of 0.03, views of 240 pixels and 64 paths, 4 to 43 of the cube's 49 intersections were found in each view at -15, 0 and 15 degrees, and none in 8 of the bent mirrors' 24 views; no setting is known to find all.", settings.pixels_per_mm, settings.shape_size, settings.shape_window, settings.line_width),
         "“Compensated” is computed anew for each azimuth; “for 0° only” keeps what compensates for the middle one. The paper does not say which of them its figure shows.".to_owned(),
         "The bent mirror's facing is not given: both are here, each beside the paper's one figure.".to_owned(),
         "SSIM after Wang et al. 2004 (11 x 11 Gaussian, sigma 1.5), the mean over the three sRGB-encoded channels; LPIPS v0.1 with AlexNet.".to_owned(),
@@ -373,9 +380,9 @@ fn assumptions(arguments: &Arguments, settings: &Settings, exposures: &[f64]) ->
 /// Where ours differ from the paper's, and why.
 fn differences(arguments: &Arguments) -> Vec<String> {
     let mut differences = vec![
-        "The paper's displacements were measured on photographs of a real set-up, whose parts stand where a hand has put them: its 23.91 and 30.53 pixels with compensation are such errors of placing (at 16.8 pixels to a millimetre, 1.4 and 1.8 mm) and, if it kept one compensation for all azimuths, the camera's motion. Ours are simulated, where everything stands exactly.".to_owned(),
-        "SSIM from pixel to pixel depends on the renderer's noise and on how much of the plate's slits a pupil averages, neither of which the paper states. Its figures rise by 0.4 to 0.6 under a blur of 5 x 5 pixels, which takes both off: the blurred SSIM compares best, and more paths (--spp) raise ours without a blur.".to_owned(),
-        "How much an uncompensated view suffers depends on the image's size and place and on the camera's distance, which the paper does not give: where ours without compensation lies above or below the paper's, the distortion assumed here is smaller or larger than its was.".to_owned(),
+        "The paper's displacements were measured on photographs of a real set-up; ours are simulated, where everything stands exactly. Conjecture, not tested: errors of placing and, if it kept one compensation for all azimuths, the camera's motion make up its 23.91 and 30.53 pixels with compensation.".to_owned(),
+        "The paper states neither its renderer's paths through a pixel nor its camera's pupil, and SSIM depends on both. Conjecture, not tested: that is why its figures and ours differ less after a blur of 5 x 5 pixels.".to_owned(),
+        "How much an uncompensated view suffers depends on the image's size and place and on the camera's distance, which the paper does not give. Whether that accounts for the differences without compensation was not tested.".to_owned(),
         "Its photographs are those of LIVE1, all 29; these are the ones in the folder that was named.".to_owned(),
     ];
     if arguments.plate == PlateKind::Ideal {

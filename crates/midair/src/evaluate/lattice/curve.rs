@@ -172,7 +172,11 @@ fn horner(coefficients: &[f64], t: f64) -> f64 {
 
 /// The least-squares polynomial of t in \[-1, 1\], and the variance of its value at `at` in units
 /// of one point's, by a Cholesky factor of the normal equations.
-fn least_squares(points: &[(f64, f64)], degree: usize, at: f64) -> Option<(Vec<f64>, f64)> {
+pub(super) fn least_squares(
+    points: &[(f64, f64)],
+    degree: usize,
+    at: f64,
+) -> Option<(Vec<f64>, f64)> {
     const MOST: usize = 8;
     let n = degree + 1;
     let mut moments = [0.0; 2 * MOST];

@@ -8,6 +8,7 @@ use super::detection::{Lattice, Missing};
 use super::graph::{Node, distance};
 use super::ordering::{Piece, Placed};
 use super::refinement;
+use super::stretch::{Stretch, is_smooth};
 
 /// What a measurement at full resolution starts from.
 pub(super) struct Measurement<'a> {
@@ -25,7 +26,7 @@ const DOWN: usize = 1;
 
 /// Measured centres of one line: between crossing i - 1 and crossing i at index i, so that 0 and the
 /// last are its free ends. Empty where the line was not traced.
-type Line = Vec<Vec<[f64; 2]>>;
+type Line = Vec<Stretch>;
 
 /// The centres between two crossings.
 type Segment<'a> = &'a [[f64; 2]];
@@ -110,7 +111,7 @@ impl Measurement<'_> {
         lines: usize,
         width: f64,
         along: &impl Fn(usize) -> Option<&'p Placed>,
-    ) -> Vec<[f64; 2]> {
+    ) -> Stretch {
         let arm_of = |placed: Option<&'p Placed>, slot: usize| {
             let placed = placed?;
             Some((placed.node, placed.arms[slot]?))
@@ -124,17 +125,26 @@ impl Measurement<'_> {
             (self.nodes[node].arms[arm].reached == to.map(|to| to.node)).then_some((node, arm))
         };
         let opposite = (slot + 2) % 4;
-        let found = leads(before, slot, after).or_else(|| leads(after, opposite, before));
-        let Some((node, arm)) = found else { return Vec::new() };
+        let (found, backwards) = match leads(before, slot, after) {
+            Some(found) => (Some(found), false),
+            None => (leads(after, opposite, before), true),
+        };
+        let Some((node, arm)) = found else { return Stretch::default() };
         // Beyond this the crossing line and its blur do not reach into the window across this one,
         // even when they cross at 60 degrees.
         let clear = 1.5 * width + 1.5;
         // The smoothing that loses least to noise has the line's own profile (matched filter).
         let sigma = (0.42 * width).max(1.0);
-        self.stations(node, arm, clear)
+        let mut centres: Vec<[f64; 2]> = self
+            .stations(node, arm, clear)
             .into_iter()
             .filter_map(|station| refinement::centre(self.picture, station, sigma))
-            .collect()
+            .collect();
+        if backwards {
+            centres.reverse();
+        }
+        // A window across the line reaches over a cut that crosses it at 45 degrees from as far away.
+        Stretch::new(centres, clear)
     }
 
     fn intersection(
@@ -148,6 +158,12 @@ impl Measurement<'_> {
         let origin = [self.scale * place[0], self.scale * place[1]];
         let curve = |line: &Line, at: usize| {
             let (before, after) = around(line, at);
+            // A cut next to the crossing displaces one side from the other.
+            if let (Some(near), Some(next)) = (before.first(), after.first())
+                && !is_smooth(&[*near, *next].concat(), 4)
+            {
+                return Err(Missing::Broken);
+            }
             Curve::through(origin, &before, &after).ok_or(Missing::LineTooShort)
         };
         let (row, column) = (curve(row, column)?, curve(other, at)?);
@@ -170,8 +186,26 @@ impl Measurement<'_> {
 
 /// The centres on both sides of crossing `at`, nearest segment first, as far as the line is whole.
 fn around(line: &Line, at: usize) -> (Vec<Segment<'_>>, Vec<Segment<'_>>) {
-    let whole = |segment: &&Vec<[f64; 2]>| !segment.is_empty();
-    let before = line[..=at].iter().rev().take_while(whole).map(Vec::as_slice).collect();
-    let after = line[at + 1..].iter().take_while(whole).map(Vec::as_slice).collect();
-    (before, after)
+    (
+        unbroken(line[..=at].iter().rev(), Stretch::end),
+        unbroken(line[at + 1..].iter(), Stretch::start),
+    )
+}
+
+/// Segments up to the first that is broken, and of that one the part on this side.
+fn unbroken<'a>(
+    stretches: impl Iterator<Item = &'a Stretch>,
+    near: fn(&Stretch) -> Segment<'_>,
+) -> Vec<Segment<'a>> {
+    let mut segments = Vec::new();
+    for stretch in stretches {
+        let segment = near(stretch);
+        if !segment.is_empty() {
+            segments.push(segment);
+        }
+        if !stretch.is_whole() {
+            break;
+        }
+    }
+    segments
 }

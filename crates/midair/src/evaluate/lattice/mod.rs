@@ -14,6 +14,7 @@ mod measurement;
 mod ordering;
 mod refinement;
 mod ridge;
+mod stretch;
 #[cfg(test)]
 mod tests;
 

@@ -285,9 +285,12 @@ fn cut(
 
 /// An edge of a glass cube cuts the lattice in two and displaces one part by less than half a period.
 ///
-/// Seen: pieces are named rightly, but one crossing, 72 pixels from its cut, was 1.03 pixels off. Why is not known.
+/// What was seen: one crossing, 72 pixels from the cut, was 1.03 pixels off because its row was traced across the cut; lines are
+/// now shared out at such a jump, and it no longer is. In a later case (cut at x = 602, displaced by -10, 27) a crossing 63 pixels
+/// from the cut is 2.03 pixels off: why is open. A crossing at the lattice's border, 250 and 306 pixels from cuts, was 0.44 and 0.15
+/// pixels off; its row had centres on one side only, and the search was at its widest scale.
 #[test]
-#[ignore = "known: single crossings beside a cut were seen a pixel off"]
+#[ignore = "fails: a crossing 63 px from a cut is 2.03 px off, and some at the border 0.44 px (why is open)"]
 fn a_lattice_cut_by_an_edge_is_put_together() {
     let style = LatticeStyle { line_width: 0.008, ..Default::default() };
     let mut uniform = noise(11);

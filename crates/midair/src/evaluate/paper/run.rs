@@ -259,15 +259,21 @@ pub fn shape<E: From<PaperError>>(
             }
             Err(error) => return Err(error.into()),
         };
+        // The same intersections under every condition that was measured.
+        let measured: Vec<&Points> = [&reference, &with, &kept, &without]
+            .into_iter()
+            .filter(|seen| seen.is_some())
+            .collect();
+        let common =
+            |at: usize| measured.iter().all(|seen| seen.as_ref().is_some_and(|p| p[at].is_some()));
         let off = |seen: &Points| {
-            displacement(seen.as_ref()?, reference.as_ref()?).ok().map(|found| found.mean)
+            let seen = seen.as_ref()?.iter().enumerate().map(|(at, p)| p.filter(|_| common(at)));
+            displacement(&seen.collect::<Vec<_>>(), reference.as_ref()?).ok()
         };
-        views.push(ShapeView {
-            azimuth,
-            with: off(&with),
-            kept: off(&kept),
-            without: off(&without),
-        });
+        let found = [&with, &kept, &without].map(off);
+        let intersections = found.iter().flatten().map(|found| found.compared()).max().unwrap_or(0);
+        let [with, kept, without] = found.map(|found| found.map(|found| found.mean));
+        views.push(ShapeView { azimuth, with, kept, without, intersections });
         done(azimuth, [seen_reference, seen_with, seen_kept, seen_without])?;
         watch.advance(1);
     }

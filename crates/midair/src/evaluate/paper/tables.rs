@@ -52,6 +52,39 @@ pub struct ShapeView {
     pub kept: Option<f64>,
     /// Pixels, without.
     pub without: Option<f64>,
+    /// Over how many intersections each of them is: those found under every condition that was measured.
+    pub intersections: usize,
+}
+
+impl ShapeView {
+    /// Compensated, with the compensation for azimuth 0 kept, and without, where all of them are known.
+    fn complete(&self) -> Option<[f64; 3]> {
+        Some([self.with?, self.kept?, self.without?])
+    }
+}
+
+impl Shape {
+    /// The means of the three conditions over the same azimuths, those at which all were measured, and how many azimuths
+    /// and intersections that are.
+    fn means(&self) -> ([Option<f64>; 3], usize, usize) {
+        let complete: Vec<([f64; 3], usize)> = self
+            .views
+            .iter()
+            .filter_map(|view| Some((view.complete()?, view.intersections)))
+            .collect();
+        let of = |condition: usize| mean(complete.iter().map(|(all, _)| Some(all[condition])));
+        (
+            [of(0), of(1), of(2)],
+            complete.len(),
+            complete.iter().map(|(_, intersections)| intersections).sum(),
+        )
+    }
+
+    /// What a mean is over, in words.
+    fn extent(&self) -> String {
+        let (_, azimuths, intersections) = self.means();
+        format!("{azimuths} of {} azimuths, {intersections} intersections", self.views.len())
+    }
 }
 
 /// What the paper reports for a surface.
@@ -235,8 +268,7 @@ pub fn shape_table(shape: &Shape) -> Table {
     };
     let all = |view: &ShapeView| [view.with, view.kept, view.without];
     let views = &shape.views;
-    let means = [0, 1, 2].map(|condition| mean(views.iter().map(|view| all(view)[condition])));
-    let mut foot = vec![row("Mean".to_owned(), means)];
+    let mut foot = vec![row(format!("Mean over {}", shape.extent()), shape.means().0)];
     if let Some(paper) = published(&PUBLISHED_DISPLACEMENT, &shape.surface) {
         let values = [Some(paper.with), None, Some(paper.without)];
         foot.push(row("The paper, photographed".to_owned(), values));
@@ -256,7 +288,7 @@ pub fn shape_table(shape: &Shape) -> Table {
             .iter()
             .map(|view| {
                 let name = Cell::number(Some(view.azimuth), 0).text;
-                row(format!("{name}°"), all(view))
+                row(format!("{name}° ({} intersections)", view.intersections), all(view))
             })
             .collect(),
         foot,
@@ -323,13 +355,12 @@ impl Evaluation {
         let mut sections = Vec::new();
         let mut summary = Vec::new();
         for shape in &self.shapes {
-            let with = mean(shape.views.iter().map(|view| view.with));
-            let without = mean(shape.views.iter().map(|view| view.without));
+            let ([with, _, without], ..) = shape.means();
             let text = |value| Cell::number(value, 2).text;
             summary.push(SummaryRow {
                 label: format!("{}: displacement", shape.surface),
                 value: format!("{} px", text(with)),
-                note: format!("{} px without compensation", text(without)),
+                note: format!("{} px without compensation; {}", text(without), shape.extent()),
             });
         }
         for surface in surfaces(&self.quality) {
@@ -402,14 +433,16 @@ impl Evaluation {
             let views = shape.views.iter().map(|view| {
                 json!({
                     "azimuth": view.azimuth, "with": view.with, "kept": view.kept,
-                    "without": view.without
+                    "without": view.without, "intersections": view.intersections
                 })
             });
-            let means = [|v: &ShapeView| v.with, |v: &ShapeView| v.kept, |v: &ShapeView| v.without]
-                .map(|of| mean(shape.views.iter().map(of)));
+            let (means, azimuths, intersections) = shape.means();
             json!({
                 "surface": shape.surface, "views": views.collect::<Vec<_>>(),
-                "mean": {"with": means[0], "kept": means[1], "without": means[2]}
+                "mean": {
+                    "with": means[0], "kept": means[1], "without": means[2],
+                    "azimuths": azimuths, "intersections": intersections
+                }
             })
         });
         let means = surfaces(&self.quality).into_iter().map(|surface| {
@@ -507,15 +540,30 @@ mod tests {
         let shape = Shape {
             surface: "Bent-mirror".to_owned(),
             views: vec![
-                ShapeView { azimuth: -5.0, with: Some(1.0), kept: Some(2.0), without: Some(3.0) },
-                ShapeView { azimuth: 0.0, with: None, kept: None, without: Some(5.0) },
+                ShapeView {
+                    azimuth: -5.0,
+                    with: Some(1.0),
+                    kept: Some(2.0),
+                    without: Some(3.0),
+                    intersections: 40,
+                },
+                ShapeView {
+                    azimuth: 0.0,
+                    with: None,
+                    kept: None,
+                    without: Some(5.0),
+                    intersections: 9,
+                },
             ],
         };
         let chart = shape_chart(&shape);
         assert!(chart.series[0].points[1][1].is_nan() && chart.series[2].points[1] == [0.0, 5.0]);
         let table = shape_table(&shape);
-        assert_eq!(texts(&table.rows[0]), ["−5°", "*1.00", "2.00", "3.00"]);
-        assert_eq!(texts(&table.foot[0]), ["Mean", "*1.00", "2.00", "4.00"]);
+        assert_eq!(texts(&table.rows[0]), ["−5° (40 intersections)", "*1.00", "2.00", "3.00"]);
+        assert_eq!(
+            texts(&table.foot[0]),
+            ["Mean over 1 of 2 azimuths, 40 intersections", "*1.00", "2.00", "3.00"]
+        );
         assert_eq!(texts(&table.foot[1]), ["The paper, photographed", "*30.53", "–", "138.68"]);
     }
 
