@@ -8,7 +8,7 @@ use super::proof::displacement::interpolated;
 use super::proof::{ProofError, Watch};
 use crate::geometry::Vec3;
 use crate::map::{Accuracy, Map, invert};
-use crate::media::optimal::view_through;
+use crate::media::optimal::{ViewSamples, view_through};
 use crate::media::{Picture, display_image};
 use crate::simulate::Camera;
 use crate::transport::{Path, Setup};
@@ -86,7 +86,7 @@ pub fn orbit(
             window: settings.window,
             supersampling: settings.supersampling,
         };
-        let samples = camera.samples(setup, &|_| {});
+        let samples = ViewSamples::of(&camera.rays(setup), &|_| {});
         // What is displaced beyond the image's edge is seen in the window around it.
         let mut wide = there.clone();
         wide.image.size = wide.image.size.map(|side| side * settings.window);
