@@ -12,7 +12,7 @@ mod splat;
 pub use bleed::bleed;
 pub use formation::{Formation, ImagePoint, formation};
 pub use forward::forward;
-pub use invert::{Accuracy, Effort, invert, invert_into};
+pub use invert::{Accuracy, Effort, Inverse, RowScratch, invert, invert_into};
 pub use model::{Gain, Map, Status, pixel_at, pixel_centre};
 pub use reverse::reversed;
 pub use splat::{Splat, splat};
