@@ -27,4 +27,4 @@ pub use lens::Viewer;
 pub use light::Plate;
 pub use measured::Measured;
 pub use render::{Progress, Settings, SimulateError, Watch, render, render_with_dispersion};
-pub use stray::{STRAY, StrayView, best_azimuth, stray_view};
+pub use stray::{BestPose, PoseLimits, STRAY, Sights, StrayView, best_pose};
