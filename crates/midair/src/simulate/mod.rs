@@ -22,7 +22,7 @@ pub mod tone;
 pub use camera::Camera;
 pub use chart::{Chart, colour_map, point_spread_chart, shares_chart, viewpoints_chart};
 pub use film::{ErrorEstimate, Layers, Light, Render};
-pub use gain::gain;
+pub use gain::{faded_view, gain};
 pub use lens::Viewer;
 pub use light::Plate;
 pub use measured::Measured;

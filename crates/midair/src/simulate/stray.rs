@@ -176,11 +176,11 @@ pub fn best_pose(
     let formed = 0.97 * now.formed() as f64;
     let bright = 0.5 * now.image.iter().sum::<f64>();
     let mut best = BestPose { azimuth: present, shift: 0.0, view: now };
-    if best.view.burden() <= WORTH {
-        return best;
-    }
     let azimuths = nearest_first(limits.azimuth, limits.azimuth_step, present);
     for shift in nearest_first(limits.shift, limits.shift_step, 0.0) {
+        if best.view.burden() <= WORTH {
+            break;
+        }
         let shifted = shifted(setup, shift);
         let solved;
         let map = if shift == 0.0 {

@@ -50,10 +50,17 @@ impl Stray {
         map: &Map,
         asked: bool,
     ) -> Result<Option<Self>, Failure> {
+        match model {
+            PlateModel::Ideal if !asked => Ok(None),
+            _ => Self::at_least_usual(model, setup, map).map(Some),
+        }
+    }
+
+    /// The same with the usual slit-mirror plate wherever the scene's is ideal.
+    pub fn at_least_usual(model: &PlateModel, setup: &Setup, map: &Map) -> Result<Self, Failure> {
         let (parameters, assumed) = match model {
             PlateModel::SlitMirror(parameters) => (*parameters, false),
-            PlateModel::Ideal if asked => (SlitMirror::default(), true),
-            PlateModel::Ideal => return Ok(None),
+            PlateModel::Ideal => (SlitMirror::default(), true),
         };
         let plate = SlitMirrorPlate::new(parameters)
             .map_err(|error| Failure::new(error.to_string(), "change the scene's [plate]"))?;
@@ -65,7 +72,7 @@ impl Stray {
         let frame = &setup.display.frame;
         let display = (frame.origin + frame.normal() * best.shift).to_array();
         let azimuth = parameters.azimuth;
-        Ok(Some(Self { near, wide, azimuth, best, limits, display, assumed }))
+        Ok(Self { near, wide, azimuth, best, limits, display, assumed })
     }
 
     /// For people.

@@ -49,11 +49,16 @@ impl Mode {
 
 /// The gain of each map.
 pub fn gains(loaded: &Loaded, solutions: &Solutions) -> Result<Vec<Gain>, Failure> {
+    let plate = plate(loaded, &solutions.main().setup)?;
+    Ok(solutions.0.iter().map(|solved| gain(&solved.setup, &plate, &solved.map)).collect())
+}
+
+/// The scene's plate, as bright as it was measured.
+pub fn plate(loaded: &Loaded, setup: &Setup) -> Result<Plate, Failure> {
     let plate = Plate::new(&loaded.scene.plate.model).map_err(|error| {
         Failure::new(error.to_string(), "change that value in the scene's [plate]")
     })?;
-    let plate = plate.with_luminance(loaded.luminance.as_ref(), &solutions.main().setup);
-    Ok(solutions.0.iter().map(|solved| gain(&solved.setup, &plate, &solved.map)).collect())
+    Ok(plate.with_luminance(loaded.luminance.as_ref(), setup))
 }
 
 /// Each colour's gain from its own map.
@@ -83,19 +88,18 @@ pub fn finish(loaded: &Loaded, light: Picture, evening: Option<(Mode, &[Gain])>)
         let gain = merged(gains);
         let evened = even_out(&display, &gain, mode.overflow());
         display = evened.display;
-        let finite = || gain.rgb.iter().flatten().copied().filter(|g| g.is_finite());
-        let least = finite().fold(f32::INFINITY, f32::min);
-        let most = finite().fold(0.0, f32::max);
+        let range = gain.range();
+        let [least, most] = range.unwrap_or_default();
         told["gain"] = json!({
             "mode": mode.name(),
             "level": evened.level,
             "clipped": evened.clipped,
-            "least": if least.is_finite() { json!(least) } else { Value::Null },
-            "most": most,
+            "least": range.map(|[least, _]| least),
+            "most": range.map(|[_, most]| most),
         });
         lines += &format!(
             "{:.1} to {:.1} % of the display's light arrives; evened out ({}) white is {:.1} % of the display's, {} of the samples clipped\n",
-            100.0 * if least.is_finite() { least } else { 0.0 },
+            100.0 * least,
             100.0 * most,
             mode.name(),
             100.0 * evened.level,
