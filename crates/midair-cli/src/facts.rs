@@ -1,5 +1,6 @@
 //! What a proof found: as JSON, in a few lines, and what it rests on.
 
+use crate::colour_facts::Colour;
 use crate::summary::{Counts, number, percent, timings};
 use midair::evaluate::lattice::Displacement;
 use midair::evaluate::proof::{Baseline, Likeness, Proof, Settings, Shape, Shown};
@@ -19,6 +20,8 @@ pub struct Facts<'a> {
     pub settings: &'a Settings,
     /// What was found.
     pub proof: &'a Proof,
+    /// What was found of brightness and colour.
+    pub colour: &'a Colour,
     /// What the user should know.
     pub notes: &'a [String],
 }
@@ -48,7 +51,7 @@ impl Facts<'_> {
 
     /// report.json.
     pub fn json(&self) -> Value {
-        let Self { loaded, setup, settings, proof, notes } = self;
+        let Self { loaded, setup, settings, proof, colour, notes } = self;
         let likeness: serde_json::Map<String, Value> = self
             .ways()
             .into_iter()
@@ -91,6 +94,9 @@ impl Facts<'_> {
                 "uncompensated": shape_json(&proof.lattice.uncompensated),
             },
             "likeness": likeness,
+            "brightness": colour.brightness_json(),
+            "fringes": colour.fringes_json(),
+            "stray": colour.stray_json(),
             "splat": splat,
             "assumptions": self.assumptions(),
             "notes": notes,
@@ -145,6 +151,7 @@ impl Facts<'_> {
                 splat.rms_error * 1024.0,
             );
         }
+        lines += &self.colour.lines();
         lines
     }
 
@@ -170,8 +177,8 @@ impl Facts<'_> {
         vec![
             "The viewer is one pinhole eye at the scene's viewpoint; the view shows the image's rectangle and nothing else.".to_owned(),
             plate.to_owned(),
-            "Light that surfaces reflect or absorb on its way (Fresnel, absorption, mirror reflectance) is not taken off: views show geometry, not brightness.".to_owned(),
-            format!("Refractive indices are those at {:.1} nm.", DESIGN_WAVELENGTH * 1e3),
+            "Light that surfaces reflect or absorb on its way (Fresnel, absorption, mirror reflectance) is not taken off, but for the white field under \"Brightness and colour\": views show geometry, not brightness.".to_owned(),
+            format!("Refractive indices are those at {:.1} nm, but for the colour fringes.", DESIGN_WAVELENGTH * 1e3),
             format!("A view pixel is the mean of {} rays, each the bilinear interpolation of four display pixels, in linear light.", n * n),
             format!("The reference is the view without any object, the display where it then belongs, showing the picture at its own resolution.{reference}"),
             "Uncompensated, the display shows the picture in the image's true size where it belongs if mirrors are flat and solids absent (the other way round behind an odd number of mirrors), as far as the scene's display reaches there.".to_owned(),

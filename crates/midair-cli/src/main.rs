@@ -5,6 +5,7 @@
 
 mod arguments;
 mod chart_sheet;
+mod colour_facts;
 mod commands;
 mod facts;
 mod failure;

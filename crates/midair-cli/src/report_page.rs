@@ -36,6 +36,7 @@ impl Facts<'_> {
                 self.pictures()?,
                 self.shape()?,
                 self.likeness(),
+                self.colour.section(&loaded.scene)?,
                 self.map_section(),
                 Section {
                     heading: "What was assumed".to_owned(),
@@ -85,6 +86,7 @@ impl Facts<'_> {
                 ),
             ),
         ];
+        rows.extend(self.colour.summary());
         if let Some(splat) = &proof.splat {
             rows.push(row(
                 "The paper's method",
@@ -292,7 +294,7 @@ impl Facts<'_> {
 }
 
 /// A picture for the page, reduced where it is larger than the page shows it.
-fn figure(picture: &Picture, caption: &str) -> Result<Figure, FigureError> {
+pub fn figure(picture: &Picture, caption: &str) -> Result<Figure, FigureError> {
     let longer = picture.width.max(picture.height);
     if longer <= SHOWN {
         return Figure::picture(picture, caption);

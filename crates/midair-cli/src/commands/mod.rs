@@ -1,8 +1,8 @@
 //! The commands, one file each: its arguments and what it does.
 
 mod apply;
-mod check;
-mod compensate;
+pub mod check;
+pub mod compensate;
 mod completions;
 mod demo;
 mod evaluate;

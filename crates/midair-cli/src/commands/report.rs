@@ -2,20 +2,22 @@
 
 use super::compensate::{stretch_note, write_display, write_maps, write_report};
 use crate::arguments::{Size, check_view, open_picture, open_scene};
+use crate::colour_facts::Colour;
 use crate::facts::Facts;
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::progress::Bar;
 use crate::summary::{Voice, paths, wrote};
 use crate::test_picture;
-use midair::evaluate::proof::{Proof, Settings, prove, view_size};
+use midair::evaluate::proof::{Proof, Settings, Watch as _, prove, view_size};
 use midair::map::format::{FileError, Format, write_bytes_atomically};
 use midair::media::{Depth, Picture, Still, write_still};
 use midair::scene::Loaded;
 use midair::transport::Setup;
 use std::path::PathBuf;
 
-/// Prove that a scene is compensated: views, lattice displacement, likeness, the paper's method beside ours
+/// Prove that a scene is compensated: views, lattice displacement, likeness, brightness, colour fringes, stray light, the paper's method
+/// beside ours
 ///
 /// Writes report.html, a page that stands on its own, report.json with all figures, and the pictures.
 #[derive(Debug, clap::Args)]
@@ -72,12 +74,22 @@ pub fn write_proof(
     notes.extend(stretch_note(&setup, &still.picture));
     let bar = Bar::new();
     let proof = prove(loaded, &still.picture, &settings, &bar)?;
+    bar.stage("brightness and colour", 1);
+    let colour = Colour::of(loaded, &setup, &settings, &proof.map)?;
     bar.finish();
 
-    let facts = Facts { loaded, setup: &setup, settings: &settings, proof: &proof, notes: &notes };
+    let facts = Facts {
+        loaded,
+        setup: &setup,
+        settings: &settings,
+        proof: &proof,
+        colour: &colour,
+        notes: &notes,
+    };
     let report = facts.json();
     let page = facts.page()?;
     write_pictures(&mut output, still, &proof)?;
+    colour.write(&mut output)?;
     let source = view_size(&setup, still.picture.width);
     let more = write_maps(&mut output, &proof.map, None, "map", source, &[Format::Exr])?;
     write_report(&mut output, &report)?;
@@ -85,7 +97,7 @@ pub fn write_proof(
     let files = output.finish()?;
     voice.note(&more);
     voice.note(&notes);
-    for (name, time) in &proof.timings {
+    for (name, time) in proof.timings.iter().chain(&colour.timings) {
         voice.explain(&format!("{name}: {:.1} ms", time.as_secs_f64() * 1e3));
     }
     voice.explain(wrote(&files).trim_end());

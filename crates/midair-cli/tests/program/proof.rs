@@ -86,9 +86,34 @@ fn a_report_stands_on_its_own() {
     }
     let report: serde_json::Value =
         serde_json::from_slice(&std::fs::read(bench.path("out/report.json")).unwrap()).unwrap();
+    let field = |key: &str| report["brightness"]["white_field"][key].as_f64().unwrap();
+    // Fresnel's losses grow towards the ball's rim.
+    assert!(field("uncompensated") > 1.02 && field("compensated") < 1.005, "{report:#}");
+    assert!(report["fringes"].is_null());
+    // As `check --stray` has it.
+    let told = bench.json(&["check", &scene("ball.toml"), "--size", "128x128", "--stray", "s.png"]);
+    assert_eq!(report["stray"], told["stray"]);
+    for name in ["gain.png", "white-uncompensated.png", "white-compensated.png", "stray.png"] {
+        assert!(bench.path("out").join(name).exists(), "{name}");
+    }
     let splat = &report["splat"];
     assert_eq!(splat["rays"], 128 * 128 * 3);
     // Three samples a pixel miss many.
     assert!(splat["holes"].as_u64().unwrap() > 100, "{splat}");
     assert!(splat["rms_error"].as_f64().unwrap() > report["error_bound"].as_f64().unwrap());
+}
+
+#[test]
+fn a_report_tells_how_wide_colour_fringes_are() {
+    let bench = Bench::new();
+    let scene = scene("spot.toml");
+    let said =
+        bench.succeed(&["report", &scene, "--out", "out", "--size", "96x96", "--splat-spp", "0"]);
+    assert!(said.contains("colour fringes"), "{said}");
+    let report: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(bench.path("out/report.json")).unwrap()).unwrap();
+    let mean = |key: &str| report["fringes"][key]["mean"].as_f64().unwrap();
+    // Crown glass and a curved body: a tenth of a pixel at this size, of which maps of 96 pixels leave little.
+    assert!(mean("one_map") > 10.0 * mean("per_channel"), "{}", report["fringes"]);
+    assert!(bench.path("out/fringes-per-channel.png").exists());
 }

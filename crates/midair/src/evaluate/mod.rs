@@ -5,6 +5,7 @@
 //! [`lattice::detect`] for geometry. [`report`] sets what was found into one page that stands
 //! on its own.
 
+pub mod colour;
 pub mod eyebox;
 mod filter;
 pub mod lattice;

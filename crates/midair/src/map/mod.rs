@@ -9,7 +9,7 @@ mod model;
 mod reverse;
 mod splat;
 
-pub use bleed::bleed;
+pub use bleed::{bleed, with_rim};
 pub use formation::{Formation, ImagePoint, formation};
 pub use forward::forward;
 pub use invert::{Accuracy, Effort, Inverse, RowScratch, invert, invert_into};

@@ -78,6 +78,17 @@ pub struct Gain {
     pub rgb: Vec<[f32; 3]>,
 }
 
+impl Gain {
+    /// The least and the largest share of any colour; `None` where no pixel has an answer.
+    pub fn range(&self) -> Option<[f32; 2]> {
+        let known = self.rgb.iter().flatten().copied().filter(|share| share.is_finite());
+        known.fold(None, |range, share| {
+            let [least, most] = range.unwrap_or([share; 2]);
+            Some([least.min(share), most.max(share)])
+        })
+    }
+}
+
 /// The st (or uv) coordinates of a pixel's centre: right and up, row 0 at the top.
 pub fn pixel_centre(column: usize, row: usize, width: usize, height: usize) -> [f64; 2] {
     [(column as f64 + 0.5) / width as f64, ((height - row) as f64 - 0.5) / height as f64]

@@ -1,9 +1,9 @@
 //! Where the plate's stray images fall for the viewer, and how bright they are.
 
 use crate::geometry::{Ray, Vec3};
-use crate::map::{Map, pixel_at, pixel_centre};
+use crate::map::{Accuracy, Map, invert, pixel_at, pixel_centre};
 use crate::optics::plate::{SlitMirror, SlitMirrorPlate, luminance};
-use crate::transport::{Path, Setup};
+use crate::transport::{Path, Remainder, Setup};
 use rayon::prelude::*;
 
 /// The three kinds of light that pass the plate without forming the image: turned across one layer's mirrors or the other's only
@@ -23,55 +23,72 @@ pub struct StrayView {
     pub stray: [Vec<f64>; 3],
 }
 
-/// Looks at the set-up through a plate of no thickness whose lattice is averaged over: where lines of sight lead on behind the plate, turned
-/// by each kind of passage, and whether that is a lit part of the display. Elements before the plate bend stray light as they bend the
-/// image's; behind the plate nothing stands.
-pub fn stray_view(
-    setup: &Setup,
-    plate: &SlitMirrorPlate,
-    map: &Map,
+/// The lines of sight of a viewer who looks at the image's plane, as they meet the plate: what the plate and the display
+/// then make of them takes no more tracing.
+#[derive(Clone, Debug)]
+pub struct Sights {
     size: [usize; 2],
     window: f64,
-) -> StrayView {
-    let frame = &setup.plate.frame;
-    let lit = |ray: &Ray| -> bool {
-        let distance = setup.display.plane_distance(ray);
-        if !(distance > 0.0) || ray.direction.dot(setup.display.frame.normal()) >= 0.0 {
-            return false;
-        }
-        let st = setup.display.coordinates(ray.at(distance));
-        st.iter().all(|c| (0.0..=1.0).contains(c)) && {
-            let (column, row) = pixel_at(st, map.width, map.height);
-            map.status[row * map.width + column].is_answered()
-        }
-    };
-    let of_pixel = |path: &mut Path, index: usize| -> [f64; 4] {
-        let [s, t] = pixel_centre(index % size[0], index / size[0], size[0], size[1]);
-        let ray = setup.ray([s, t].map(|c| (c - 0.5) * window + 0.5));
-        setup.trace(ray, path);
-        let Some(left) = setup.remainder(ray, path) else { return [0.0; 4] };
-        let at = setup.plate.coordinates(left.at_plate.origin);
-        if !at.iter().all(|c| (0.0..=1.0).contains(c)) {
-            return [0.0; 4];
-        }
-        let d = frame.to_local_direction(left.at_plate.direction);
-        let seen = |odd: [bool; 2]| -> f64 {
-            let along = plate.across([d.x, d.y]);
-            let [x, y] =
-                plate.across_inverse([0, 1].map(|k| if odd[k] { -along[k] } else { along[k] }));
-            let direction = frame.to_world_direction(Vec3::new(x, y, d.z));
-            if !lit(&Ray { origin: left.at_plate.origin, direction }) {
-                return 0.0;
-            }
-            let share = plate.share(d, odd);
-            luminance([0, 1, 2].map(|c| share[c] * left.share[c]))
+    /// `None` where a line does not meet the plate.
+    lines: Vec<Option<Remainder>>,
+}
+
+impl Sights {
+    /// The viewpoint's lines through `size` places of the image's plane, of which `window` times the image's width and height is shown.
+    pub fn new(setup: &Setup, size: [usize; 2], window: f64) -> Self {
+        let line = |path: &mut Path, index: usize| {
+            let [s, t] = pixel_centre(index % size[0], index / size[0], size[0], size[1]);
+            let ray = setup.ray([s, t].map(|c| (c - 0.5) * window + 0.5));
+            setup.trace(ray, path);
+            let left = setup.remainder(ray, path)?;
+            let at = setup.plate.coordinates(left.at_plate.origin);
+            at.iter().all(|c| (0.0..=1.0).contains(c)).then_some(left)
         };
-        [seen([true, true]), seen(STRAY[0]), seen(STRAY[1]), seen(STRAY[2])]
-    };
-    let pixels: Vec<[f64; 4]> =
-        (0..size[0] * size[1]).into_par_iter().map_init(Path::new, of_pixel).collect();
-    let layer = |k: usize| pixels.iter().map(|pixel| pixel[k]).collect();
-    StrayView { size, window, image: layer(0), stray: [layer(1), layer(2), layer(3)] }
+        let lines = (0..size[0] * size[1]).into_par_iter().map_init(Path::new, line).collect();
+        Self { size, window, lines }
+    }
+
+    /// Looks through a plate of no thickness whose lattice is averaged over: where lines of sight lead on behind the plate, turned by each
+    /// kind of passage, and whether that is a lit part of the display. Elements before the plate bend stray light as they bend the
+    /// image's; behind the plate nothing stands. `setup` says where plate and display stand, `map` which of its pixels are lit.
+    pub fn through(&self, plate: &SlitMirrorPlate, setup: &Setup, map: &Map) -> StrayView {
+        let frame = &setup.plate.frame;
+        let lit = |ray: &Ray| -> bool {
+            let distance = setup.display.plane_distance(ray);
+            if !(distance > 0.0) || ray.direction.dot(setup.display.frame.normal()) >= 0.0 {
+                return false;
+            }
+            let st = setup.display.coordinates(ray.at(distance));
+            st.iter().all(|c| (0.0..=1.0).contains(c)) && {
+                let (column, row) = pixel_at(st, map.width, map.height);
+                map.status[row * map.width + column].is_answered()
+            }
+        };
+        let of_line = |line: &Option<Remainder>| -> [f64; 4] {
+            let Some(left) = line else { return [0.0; 4] };
+            let d = frame.to_local_direction(left.at_plate.direction);
+            let seen = |odd: [bool; 2]| -> f64 {
+                let along = plate.across([d.x, d.y]);
+                let [x, y] =
+                    plate.across_inverse([0, 1].map(|k| if odd[k] { -along[k] } else { along[k] }));
+                let direction = frame.to_world_direction(Vec3::new(x, y, d.z));
+                if !lit(&Ray { origin: left.at_plate.origin, direction }) {
+                    return 0.0;
+                }
+                let share = plate.share(d, odd);
+                luminance([0, 1, 2].map(|c| share[c] * left.share[c]))
+            };
+            [seen([true, true]), seen(STRAY[0]), seen(STRAY[1]), seen(STRAY[2])]
+        };
+        let pixels: Vec<[f64; 4]> = self.lines.par_iter().map(of_line).collect();
+        let layer = |k: usize| pixels.iter().map(|pixel| pixel[k]).collect();
+        StrayView {
+            size: self.size,
+            window: self.window,
+            image: layer(0),
+            stray: [layer(1), layer(2), layer(3)],
+        }
+    }
 }
 
 impl StrayView {
@@ -93,6 +110,11 @@ impl StrayView {
         if mean > 0.0 { most / mean } else { 0.0 }
     }
 
+    /// Places at which the image is seen.
+    fn formed(&self) -> usize {
+        self.image.iter().filter(|light| **light > 0.0).count()
+    }
+
     /// How much stray light lies over the image, over the image's own light: what turning the plate is to make small.
     pub fn burden(&self) -> f64 {
         let image: f64 = self.image.iter().sum();
@@ -104,37 +126,102 @@ impl StrayView {
     }
 }
 
-/// The turn of the plate in its own plane that leaves the least stray light over the image: its mirrors' azimuth in degrees, and the view
-/// then, like the one `seen_now`. Azimuths within `limits`, in steps of `step`; of equal ones the nearest to the present one.
+/// Which poses [`best_pose`] tries.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PoseLimits {
+    /// Least and largest azimuth of the plate's mirrors, degrees.
+    pub azimuth: [f64; 2],
+    /// Between azimuths, degrees.
+    pub azimuth_step: f64,
+    /// Least and largest shift of the display along its normal, mm; positive: towards the plate.
+    pub shift: [f64; 2],
+    /// Between shifts, mm.
+    pub shift_step: f64,
+}
+
+/// A pose that leaves less stray light over the image.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BestPose {
+    /// Azimuth of the plate's mirrors, degrees.
+    pub azimuth: f64,
+    /// How far the display stands along its normal from where it is now, mm; positive: towards the plate.
+    pub shift: f64,
+    /// What is then seen.
+    pub view: StrayView,
+}
+
+/// The coarsest map that tells lit from dark well enough: a line of sight in 256 may be wrong at each edge.
+const LIT: usize = 256;
+
+/// Poses whose burdens differ by less are equal: the grid's own uncertainty.
+const WORTH: f64 = 0.01;
+
+/// The turn of the plate in its own plane, and the shift of the display along its normal, that leave the least stray light over the image. Of poses that are
+/// equal but for a hundredth, the nearest to the present one: the plate is turned rather than the display shifted.
 ///
-/// The display's own place does not matter: only lit pixels throw stray light, and where those are is settled by the image.
-pub fn best_azimuth(
+/// A shift of the display within its own plane is not tried: the lit part stays where it is in space, so nothing changes as long as the display
+/// holds it. Poses that form less of the image, or make it half as bright, are passed over.
+///
+/// `map` and `now` are the set-up's map and what is seen now through `plate`.
+pub fn best_pose(
     setup: &Setup,
     plate: &SlitMirrorPlate,
     map: &Map,
-    seen_now: &StrayView,
-    limits: [f64; 2],
-    step: f64,
-) -> (f64, StrayView) {
+    sights: &Sights,
+    limits: &PoseLimits,
+) -> BestPose {
     let present = plate.parameters().azimuth;
-    let steps = ((limits[1] - limits[0]) / step).floor().max(0.0) as usize;
-    let mut azimuths: Vec<f64> = (0..=steps).map(|k| limits[0] + step * k as f64).collect();
-    azimuths.sort_by(|a, b| (a - present).abs().total_cmp(&(b - present).abs()));
-    let view = |azimuth: f64| {
-        let turned = SlitMirror { azimuth, ..*plate.parameters() };
-        let plate = SlitMirrorPlate::new(turned).unwrap_or_else(|_| plate.clone());
-        stray_view(setup, &plate, map, seen_now.size, seen_now.window)
-    };
-    let mut best = (present, seen_now.clone());
-    for azimuth in azimuths.into_iter().filter(|&azimuth| azimuth != present) {
-        let seen = view(azimuth);
-        // Differences of less than a hundredth are the grid's.
-        let dimmer = seen.image.iter().sum::<f64>() < 0.5 * best.1.image.iter().sum::<f64>();
-        if !dimmer && seen.burden() < best.1.burden() - 0.01 {
-            best = (azimuth, seen);
+    let now = sights.through(plate, setup, map);
+    // A lit edge is uncertain by half a pixel of the map at four sides: 1.6 % at most of a display that is lit all over.
+    let formed = 0.97 * now.formed() as f64;
+    let bright = 0.5 * now.image.iter().sum::<f64>();
+    let mut best = BestPose { azimuth: present, shift: 0.0, view: now };
+    let azimuths = nearest_first(limits.azimuth, limits.azimuth_step, present);
+    for shift in nearest_first(limits.shift, limits.shift_step, 0.0) {
+        if best.view.burden() <= WORTH {
+            break;
+        }
+        let shifted = shifted(setup, shift);
+        let solved;
+        let map = if shift == 0.0 {
+            map
+        } else {
+            solved = invert(&shifted, Accuracy::default()).0;
+            &solved
+        };
+        for &azimuth in &azimuths {
+            let Ok(turned) = SlitMirrorPlate::new(SlitMirror { azimuth, ..*plate.parameters() })
+            else {
+                continue;
+            };
+            let view = sights.through(&turned, &shifted, map);
+            let sound = view.formed() as f64 >= formed && view.image.iter().sum::<f64>() >= bright;
+            if sound && view.burden() < best.view.burden() - WORTH {
+                best = BestPose { azimuth, shift, view };
+            }
         }
     }
     best
+}
+
+/// The set-up with its display moved along its normal (towards the plate: positive), with no more pixels than are needed to
+/// tell lit from dark.
+fn shifted(setup: &Setup, shift: f64) -> Setup {
+    let mut there = setup.clone();
+    let frame = &mut there.display.frame;
+    frame.origin = frame.origin + frame.normal() * shift;
+    there.resolution = there.resolution.map(|side| side.min(LIT));
+    there
+}
+
+/// Values from `low` to `high` in steps, and the present one, the nearest to it first.
+fn nearest_first([low, high]: [f64; 2], step: f64, present: f64) -> Vec<f64> {
+    let steps = ((high - low) / step).floor().max(0.0) as usize;
+    let mut values: Vec<f64> = (0..=steps).map(|k| low + step * k as f64).collect();
+    values.push(present);
+    values.sort_by(|a, b| (a - present).abs().total_cmp(&(b - present).abs()));
+    values.dedup();
+    values
 }
 
 #[cfg(test)]
@@ -153,7 +240,7 @@ mod tests {
         let plate =
             SlitMirrorPlate::new(SlitMirror { azimuth: 30.0, ..SlitMirror::default() }).unwrap();
         let window = 12.0;
-        let view = stray_view(&setup, &plate, &map(), [240, 240], window);
+        let view = Sights::new(&setup, [240, 240], window).through(&plate, &setup, &map());
         let frame = &setup.plate.frame;
         let eye = frame.to_local(setup.viewpoint);
         let source = frame.to_local(setup.display.frame.origin);
@@ -182,16 +269,66 @@ mod tests {
         assert!((lit / (240.0f64 / window).powi(2) - 1.0).abs() < 0.05, "{lit}");
     }
 
+    const LIMITS: PoseLimits = PoseLimits {
+        azimuth: [0.0, 90.0],
+        azimuth_step: 7.5,
+        shift: [-40.0, 40.0],
+        shift_step: 20.0,
+    };
+
     #[test]
-    fn a_turned_plate_is_never_worse() {
+    fn another_pose_is_never_worse() {
         let setup = setup(40.0, Vec::new());
+        let sights = Sights::new(&setup, [48, 48], 1.0);
         for azimuth in [0.0, 20.0, 45.0] {
             let plate =
                 SlitMirrorPlate::new(SlitMirror { azimuth, ..SlitMirror::default() }).unwrap();
-            let before = stray_view(&setup, &plate, &map(), [48, 48], 1.0);
-            let (found, after) = best_azimuth(&setup, &plate, &map(), &before, [0.0, 90.0], 7.5);
-            assert!(after.burden() <= before.burden(), "{azimuth} {found}");
-            assert!((0.0..=90.0).contains(&found));
+            let before = sights.through(&plate, &setup, &map());
+            let found = best_pose(&setup, &plate, &map(), &sights, &LIMITS);
+            assert!(found.view.burden() <= before.burden(), "{azimuth} {found:?}");
+            assert!((0.0..=90.0).contains(&found.azimuth) && found.shift.abs() <= 40.0);
         }
+    }
+
+    /// A display of three times the image's size, moved within its plane and along its normal: both in mm.
+    fn with_display(shift: [f64; 3]) -> Setup {
+        let mut setup = setup(40.0, Vec::new());
+        setup.display.size = [120.0; 2];
+        let [x, y, z] = setup.display.frame.axes;
+        let by = x * shift[0] + y * shift[1] + z * shift[2];
+        setup.display.frame.origin = setup.display.frame.origin + by;
+        setup
+    }
+
+    #[test]
+    fn a_display_moved_in_its_plane_throws_the_same_stray_light_and_one_moved_along_its_normal_does_not()
+     {
+        let azimuth = 10.0;
+        let plate = SlitMirrorPlate::new(SlitMirror { azimuth, ..SlitMirror::default() }).unwrap();
+        let seen = |shift: [f64; 3]| {
+            let setup = with_display(shift);
+            let map = invert(&setup, Accuracy::default()).0;
+            Sights::new(&setup, [64, 64], 4.0).through(&plate, &setup, &map)
+        };
+        let differ = |a: &StrayView, b: &StrayView| -> usize {
+            let layers = a.stray.iter().zip(&b.stray).flat_map(|(a, b)| a.iter().zip(b));
+            layers.filter(|(a, b)| a != b).count()
+        };
+        let here = seen([0.0; 3]);
+        let lit: usize = here.stray.iter().flatten().filter(|light| **light > 0.0).count();
+        assert!(lit > 100, "{lit}");
+        // Whole pixels of the map, so that the lit ones lie at the same places in space: 120 mm / 256.
+        let pixel = 120.0 / 256.0;
+        let aside = differ(&here, &seen([20.0 * pixel, -31.0 * pixel, 0.0]));
+        // Places that lie on a pixel's edge may round to either side.
+        assert!(aside <= lit / 200, "{aside} of {lit}");
+        let nearer = differ(&here, &seen([0.0, 0.0, 30.0]));
+        assert!(nearer > lit / 20, "{nearer} of {lit}");
+    }
+
+    #[test]
+    fn poses_are_tried_from_the_nearest_on() {
+        assert_eq!(nearest_first([-2.0, 2.0], 2.0, 0.0), [0.0, -2.0, 2.0]);
+        assert_eq!(nearest_first([0.0, 1.0], 0.5, 0.2), [0.2, 0.0, 0.5, 1.0]);
     }
 }

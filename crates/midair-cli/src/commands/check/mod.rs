@@ -15,7 +15,7 @@ use midair::transport::Setup;
 use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::path::PathBuf;
-use stray::Stray;
+pub use stray::Stray;
 
 /// Tell what part of the image can be formed, what cannot, and why
 ///

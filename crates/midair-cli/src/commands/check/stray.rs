@@ -6,7 +6,7 @@ use midair::map::Map;
 use midair::media::Picture;
 use midair::optics::plate::SlitMirrorPlate;
 use midair::scene::model::{PlateModel, SlitMirror};
-use midair::simulate::{StrayView, best_azimuth, stray_view};
+use midair::simulate::{BestPose, PoseLimits, Sights, StrayView, best_pose};
 use midair::transport::Setup;
 use serde_json::{Value, json};
 
@@ -17,8 +17,11 @@ const PIXELS: usize = 384;
 /// Places of the image that are looked at.
 const GRID: [usize; 2] = [64; 2];
 /// Azimuths of the plate that are tried, degrees: a quarter turn is all that there is.
-const LIMITS: [f64; 2] = [0.0, 90.0];
-const STEP: f64 = 2.5;
+const AZIMUTHS: [f64; 2] = [0.0, 90.0];
+const AZIMUTH_STEP: f64 = 2.5;
+/// How far the display is moved towards the plate and away from it, as a share of its distance from the plate; in so many steps either way.
+const SHIFT: f64 = 0.2;
+const SHIFTS: f64 = 2.0;
 
 /// The kinds of stray light, in words.
 const KINDS: [&str; 3] = [
@@ -32,7 +35,10 @@ pub struct Stray {
     near: StrayView,
     wide: StrayView,
     azimuth: f64,
-    best: (f64, StrayView),
+    best: BestPose,
+    limits: PoseLimits,
+    /// Where the display stands in the best pose, mm.
+    display: [f64; 3],
     assumed: bool,
 }
 
@@ -44,17 +50,29 @@ impl Stray {
         map: &Map,
         asked: bool,
     ) -> Result<Option<Self>, Failure> {
+        match model {
+            PlateModel::Ideal if !asked => Ok(None),
+            _ => Self::at_least_usual(model, setup, map).map(Some),
+        }
+    }
+
+    /// The same with the usual slit-mirror plate wherever the scene's is ideal.
+    pub fn at_least_usual(model: &PlateModel, setup: &Setup, map: &Map) -> Result<Self, Failure> {
         let (parameters, assumed) = match model {
             PlateModel::SlitMirror(parameters) => (*parameters, false),
-            PlateModel::Ideal if asked => (SlitMirror::default(), true),
-            PlateModel::Ideal => return Ok(None),
+            PlateModel::Ideal => (SlitMirror::default(), true),
         };
         let plate = SlitMirrorPlate::new(parameters)
             .map_err(|error| Failure::new(error.to_string(), "change the scene's [plate]"))?;
-        let near = stray_view(setup, &plate, map, GRID, 1.0);
-        let wide = stray_view(setup, &plate, map, [PIXELS; 2], WINDOW);
-        let best = best_azimuth(setup, &plate, map, &near, LIMITS, STEP);
-        Ok(Some(Self { near, wide, azimuth: parameters.azimuth, best, assumed }))
+        let sights = Sights::new(setup, GRID, 1.0);
+        let near = sights.through(&plate, setup, map);
+        let wide = Sights::new(setup, [PIXELS; 2], WINDOW).through(&plate, setup, map);
+        let limits = limits(setup);
+        let best = best_pose(setup, &plate, map, &sights, &limits);
+        let frame = &setup.display.frame;
+        let display = (frame.origin + frame.normal() * best.shift).to_array();
+        let azimuth = parameters.azimuth;
+        Ok(Self { near, wide, azimuth, best, limits, display, assumed })
     }
 
     /// For people.
@@ -77,13 +95,32 @@ impl Stray {
         }
         if self.near.burden() == 0.0 {
             lines += "no stray light lies over the image\n";
-        } else if self.best.0 == self.azimuth {
-            lines += "no turn of the plate in its plane leaves less of it over the image\n";
-        } else {
+        } else if self.best.azimuth == self.azimuth && self.best.shift == 0.0 {
             lines += &format!(
-                "the plate turned in its plane to azimuth = {} would leave {} of the image's light instead of {}\n",
-                self.best.0,
-                percent(self.best.1.burden()),
+                "no turn of the plate in its plane, and no shift of the display along its normal by up to {:.0} mm, leaves less of it over the image\n",
+                self.limits.shift[1]
+            );
+        } else {
+            let mut pose = Vec::new();
+            if self.best.azimuth != self.azimuth {
+                pose.push(format!(
+                    "the plate turned in its plane to azimuth = {}",
+                    self.best.azimuth
+                ));
+            }
+            if self.best.shift != 0.0 {
+                let way =
+                    if self.best.shift > 0.0 { "towards the plate" } else { "away from the plate" };
+                let position = self.display.map(|c| (c * 100.0).round() / 100.0 + 0.0);
+                pose.push(format!(
+                    "the display moved {:.0} mm {way} to position = {position:?}",
+                    self.best.shift.abs()
+                ));
+            }
+            lines += &format!(
+                "{} would leave {} of the image's light over it instead of {}\n",
+                pose.join(" and "),
+                percent(self.best.view.burden()),
                 percent(self.near.burden())
             );
         }
@@ -92,6 +129,7 @@ impl Stray {
 
     /// For the summary in JSON.
     pub fn json(&self) -> Value {
+        let limits = &self.limits;
         let kind = |kind: usize| {
             json!({
                 "kind": KINDS[kind],
@@ -104,9 +142,14 @@ impl Stray {
             "kinds": [kind(0), kind(1), kind(2)],
             "over_image": self.near.burden(),
             "azimuth": self.azimuth,
-            "best_azimuth": self.best.0,
-            "over_image_at_best": self.best.1.burden(),
-            "azimuths_tried": { "from": LIMITS[0], "to": LIMITS[1], "step": STEP },
+            "best_azimuth": self.best.azimuth,
+            "best_shift": self.best.shift,
+            "best_display_position": self.display,
+            "over_image_at_best": self.best.view.burden(),
+            "azimuths_tried": {
+                "from": limits.azimuth[0], "to": limits.azimuth[1], "step": limits.azimuth_step
+            },
+            "shifts_tried": { "from": limits.shift[0], "to": limits.shift[1], "step": limits.shift_step },
         })
     }
 
@@ -125,5 +168,23 @@ impl Stray {
         });
         let [width, height] = self.wide.size;
         Picture { width, height, pixels: pixels.collect() }
+    }
+}
+
+/// A quarter turn of the plate, and the display up to a fifth of its distance nearer to the plate or further off.
+fn limits(setup: &Setup) -> PoseLimits {
+    let frame = &setup.plate.frame;
+    let distance = (setup.display.frame.origin - frame.origin).dot(frame.normal()).abs();
+    // Whole millimetres where there are any.
+    let most = if distance * SHIFT >= SHIFTS {
+        (distance * SHIFT / SHIFTS).round() * SHIFTS
+    } else {
+        distance * SHIFT
+    };
+    PoseLimits {
+        azimuth: AZIMUTHS,
+        azimuth_step: AZIMUTH_STEP,
+        shift: [-most, most],
+        shift_step: most / SHIFTS,
     }
 }

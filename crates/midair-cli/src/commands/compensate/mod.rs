@@ -22,7 +22,7 @@ mod maps;
 mod show;
 
 pub use maps::write_maps;
-pub use show::write_display;
+pub use show::{plate, write_display};
 
 /// Work out what the display must show: the map, and the display image of a picture
 ///

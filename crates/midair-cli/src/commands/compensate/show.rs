@@ -7,7 +7,7 @@ use crate::output::Output;
 use crate::summary::percent;
 use clap::ValueEnum;
 use midair::evaluate::proof::{Reference, view_size};
-use midair::map::{Gain, Map};
+use midair::map::{Gain, Map, with_rim};
 use midair::media::optimal::{Weighting, optimal_display, view_through};
 use midair::media::{
     Depth, Overflow, Picture, Still, display_image, display_image_by_colour, drive, even_out,
@@ -49,11 +49,16 @@ impl Mode {
 
 /// The gain of each map.
 pub fn gains(loaded: &Loaded, solutions: &Solutions) -> Result<Vec<Gain>, Failure> {
+    let plate = plate(loaded, &solutions.main().setup)?;
+    Ok(solutions.0.iter().map(|solved| gain(&solved.setup, &plate, &solved.map)).collect())
+}
+
+/// The scene's plate, as bright as it was measured.
+pub fn plate(loaded: &Loaded, setup: &Setup) -> Result<Plate, Failure> {
     let plate = Plate::new(&loaded.scene.plate.model).map_err(|error| {
         Failure::new(error.to_string(), "change that value in the scene's [plate]")
     })?;
-    let plate = plate.with_luminance(loaded.luminance.as_ref(), &solutions.main().setup);
-    Ok(solutions.0.iter().map(|solved| gain(&solved.setup, &plate, &solved.map)).collect())
+    Ok(plate.with_luminance(loaded.luminance.as_ref(), setup))
 }
 
 /// Each colour's gain from its own map.
@@ -81,21 +86,20 @@ pub fn finish(loaded: &Loaded, light: Picture, evening: Option<(Mode, &[Gain])>)
     let mut told = json!({});
     if let Some((mode, gains)) = evening {
         let gain = merged(gains);
-        let evened = even_out(&display, &gain, mode.overflow());
+        let evened = even_out(&display, &gain.with_rim(), mode.overflow());
         display = evened.display;
-        let finite = || gain.rgb.iter().flatten().copied().filter(|g| g.is_finite());
-        let least = finite().fold(f32::INFINITY, f32::min);
-        let most = finite().fold(0.0, f32::max);
+        let range = gain.range();
+        let [least, most] = range.unwrap_or_default();
         told["gain"] = json!({
             "mode": mode.name(),
             "level": evened.level,
             "clipped": evened.clipped,
-            "least": if least.is_finite() { json!(least) } else { Value::Null },
-            "most": most,
+            "least": range.map(|[least, _]| least),
+            "most": range.map(|[_, most]| most),
         });
         lines += &format!(
             "{:.1} to {:.1} % of the display's light arrives; evened out ({}) white is {:.1} % of the display's, {} of the samples clipped\n",
-            100.0 * if least.is_finite() { least } else { 0.0 },
+            100.0 * least,
             100.0 * most,
             mode.name(),
             100.0 * evened.level,
@@ -119,9 +123,10 @@ pub fn finish(loaded: &Loaded, light: Picture, evening: Option<(Mode, &[Gain])>)
 /// The picture through the maps.
 pub fn colour(picture: &Picture, solutions: &Solutions) -> Picture {
     if !solutions.by_colour() {
-        return display_image(picture, &solutions.main().map);
+        return display_image(picture, &with_rim(&solutions.main().map));
     }
-    display_image_by_colour(picture, [0, 1, 2].map(|c| &solutions.of_colour(c).map))
+    let maps = [0, 1, 2].map(|c| with_rim(&solutions.of_colour(c).map));
+    display_image_by_colour(picture, maps.each_ref())
 }
 
 /// The display image whose view comes nearest to what would be seen with no object in the way.

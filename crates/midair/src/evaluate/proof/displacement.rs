@@ -25,7 +25,7 @@ pub struct Shape {
 }
 
 /// What is seen of a display, by calculation.
-pub(super) struct Sight<'a> {
+pub(in crate::evaluate) struct Sight<'a> {
     pub setup: &'a Setup,
     pub map: &'a Map,
 }

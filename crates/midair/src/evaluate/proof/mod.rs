@@ -18,7 +18,7 @@ pub use uncompensated::uncompensated_map;
 
 use super::SimilarityError;
 use super::lattice::{LatticeStyle, LatticeStyleError, draw_lattice};
-use crate::map::{Accuracy, Effort, Formation, Map, formation, invert};
+use crate::map::{Accuracy, Effort, Formation, Map, formation, invert, with_rim};
 use crate::media::optimal::{
     OptimalError, ViewSamples, Weighting, optimal_display, scatter_average, view_through,
 };
@@ -200,7 +200,7 @@ pub fn prove(
     };
     let (display, time) = timed(&|| Ok(display_image(picture, &as_is)))?;
     let uncompensated = shown(display, time)?;
-    let (display, time) = timed(&|| Ok(display_image(picture, &map)))?;
+    let (display, time) = timed(&|| Ok(display_image(picture, &with_rim(&map))))?;
     let compensated = shown(display, time)?;
     let (display, time) = timed(&|| scatter_average(&samples, &reference, width, height))?;
     let scattered = shown(display, time)?;
@@ -217,7 +217,7 @@ pub fn prove(
     let lattice = {
         let sight = displacement::Sight { setup: &setup, map: &map };
         let measure = displacement::Measure::new(&settings.lattice, &flat);
-        let view = view_through(&samples, &display_image(&drawn, &map))?;
+        let view = view_through(&samples, &display_image(&drawn, &with_rim(&map)))?;
         let compensated = measure.shape(view, |uv| sight.compensated(uv), &camera);
         watch.advance(1);
         let view = view_through(&samples, &display_image(&drawn, &as_is))?;

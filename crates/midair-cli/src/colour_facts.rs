@@ -1,0 +1,279 @@
+//! What a report says of brightness, colour fringes and stray light.
+
+use crate::commands::check::Stray;
+use crate::commands::compensate::plate;
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::report_page::figure;
+use crate::summary::{number, percent};
+use midair::evaluate::colour::{Evenness, FringeWidth, Fringes, evenness, fringes};
+use midair::evaluate::proof::{Settings, view_size};
+use midair::evaluate::report::{Block, Cell, Figure, FigureError, Section, SummaryRow, Table};
+use midair::map::{Gain, Map};
+use midair::media::{Depth, Picture, write_still};
+use midair::scene::Loaded;
+use midair::scene::model::{PlateModel, Scene};
+use midair::transport::Setup;
+use serde_json::{Value, json};
+use std::time::{Duration, Instant};
+
+/// Brightness, fringes where a material disperses, and stray light.
+pub struct Colour {
+    evenness: Evenness,
+    fringes: Option<Fringes>,
+    stray: Stray,
+    /// How long each took.
+    pub timings: Vec<(&'static str, Duration)>,
+}
+
+/// Width of the white field's views in pixels.
+const FIELD: usize = 256;
+
+impl Colour {
+    /// Looks at a set-up: as `compensate --gain` and `--per-channel` and `check --stray` do.
+    pub fn of(
+        loaded: &Loaded,
+        setup: &Setup,
+        settings: &Settings,
+        map: &Map,
+    ) -> Result<Self, Failure> {
+        let mut timings = Vec::new();
+        let mut last = Instant::now();
+        let mut lap = |name: &'static str| {
+            timings.push((name, last.elapsed()));
+            last = Instant::now();
+        };
+        let evenness = evenness(setup, &plate(loaded, setup)?, view_size(setup, FIELD));
+        lap("brightness");
+        let fringes = match loaded.scene.disperses() {
+            true => Some(fringes(loaded, map, &settings.lattice, settings.view[0])?),
+            false => None,
+        };
+        lap("fringes");
+        let stray = Stray::at_least_usual(&loaded.scene.plate.model, setup, map)?;
+        lap("stray");
+        Ok(Self { evenness, fringes, stray, timings })
+    }
+
+    /// For report.json.
+    pub fn brightness_json(&self) -> Value {
+        let found = &self.evenness;
+        let range = found.gain.range();
+        json!({
+            "gain": {
+                "least": range.map(|[least, _]| least),
+                "most": range.map(|[_, most]| most),
+                "size": [found.gain.width, found.gain.height],
+            },
+            "white_field": {
+                "uncompensated": number(found.plain),
+                "compensated": number(found.even),
+            },
+            "fit": { "level": found.fit_level, "clipped": 0.0 },
+            "clip": { "level": found.clip_level, "clipped": found.clipped },
+        })
+    }
+
+    /// For report.json; nothing if no material disperses.
+    pub fn fringes_json(&self) -> Value {
+        let Some(found) = &self.fringes else { return Value::Null };
+        let told =
+            |width: FringeWidth| json!({ "mean": number(width.mean), "max": number(width.max) });
+        json!({
+            "one_map": told(found.one_map),
+            "per_channel": told(found.by_colour),
+            "places": found.places,
+            "resolution_per_channel": found.resolution,
+        })
+    }
+
+    /// For report.json.
+    pub fn stray_json(&self) -> Value {
+        self.stray.json()
+    }
+
+    /// For people.
+    pub fn lines(&self) -> String {
+        let found = &self.evenness;
+        let mut lines = format!(
+            "a white field, brightest over darkest: {} as it is, {} with --gain fit (white at {}); --gain clip: white at {}, {} of it clipped\n",
+            ratio(found.plain),
+            ratio(found.even),
+            percent(found.fit_level),
+            percent(found.clip_level),
+            percent(found.clipped),
+        );
+        if let Some(fringes) = &self.fringes {
+            lines += &format!(
+                "colour fringes at the lattice's lines: {} with one map, {} with --per-channel\n",
+                width_text(fringes.one_map),
+                width_text(fringes.by_colour)
+            );
+        }
+        lines + &self.stray.lines()
+    }
+
+    /// Rows for the page's summary.
+    pub fn summary(&self) -> Vec<SummaryRow> {
+        let found = &self.evenness;
+        let mut rows = vec![SummaryRow {
+            label: "White field, brightest over darkest".to_owned(),
+            value: ratio(found.even),
+            note: format!("with --gain fit; {} as it is", ratio(found.plain)),
+        }];
+        if let Some(fringes) = &self.fringes {
+            rows.push(SummaryRow {
+                label: "Colour fringes at the lattice's lines".to_owned(),
+                value: width_text(fringes.by_colour),
+                note: format!("with --per-channel; {} with one map", width_text(fringes.one_map)),
+            });
+        }
+        rows
+    }
+
+    /// The page's section.
+    pub fn section(&self, scene: &Scene) -> Result<Section, FigureError> {
+        let found = &self.evenness;
+        let [least, most] = found.gain.range().unwrap_or_default();
+        let gain = format!(
+            "The gain of each display pixel over the largest: {:.1} to {:.1} % of the light arrives.",
+            100.0 * least,
+            100.0 * most
+        );
+        let [plain, even] = found.views.each_ref();
+        let mut blocks = vec![
+            Block::Figures(vec![
+                figure(&gain_picture(&found.gain), &gain)?,
+                figure(&exposed(plain), "A white field as it is seen, over its brightest.")?,
+                figure(&exposed(even), "The same with the gain divided out (--gain fit).")?,
+            ]),
+            Block::Table(self.brightness_table()),
+        ];
+        if let Some(fringes) = &self.fringes {
+            blocks.push(Block::Table(fringe_table(fringes)));
+            let [plain, by_colour] = &fringes.close_ups;
+            blocks.push(Block::Figures(vec![
+                figure(
+                    plain,
+                    "A white lattice where its fringes are widest, one map for all colours.",
+                )?,
+                figure(by_colour, "The same with a map for each colour (--per-channel).")?,
+            ]));
+        }
+        let of_plate = match scene.plate.model {
+            PlateModel::SlitMirror(_) => "The scene's slit-mirror plate",
+            PlateModel::Ideal => "The usual slit-mirror plate in the ideal one's place",
+        };
+        blocks
+            .push(Block::Text(format!("Stray light. {of_plate}, with its lattice averaged over:")));
+        blocks.push(Block::Figures(vec![self.stray_figure()?]));
+        blocks.push(Block::Notes(self.stray.lines().lines().map(str::to_owned).collect()));
+        Ok(Section { heading: "Brightness and colour".to_owned(), blocks })
+    }
+
+    fn stray_figure(&self) -> Result<Figure, FigureError> {
+        figure(
+            &self.stray.picture(),
+            "Four times as wide as the image: the image white, the two stray images orange and blue, the display seen through the plate green.",
+        )
+    }
+
+    fn brightness_table(&self) -> Table {
+        let found = &self.evenness;
+        let share = |value: f64| Cell::text(percent(value));
+        Table {
+            caption: "A white field: the worst of red, green and blue".to_owned(),
+            head: vec![
+                ["", "brightest over darkest", "white, of the display's", "clipped"]
+                    .map(|text| (text.to_owned(), 1))
+                    .into(),
+            ],
+            rows: vec![
+                vec![
+                    Cell::text("as it is"),
+                    Cell::number(Some(found.plain), 4),
+                    Cell::text("-"),
+                    share(0.0),
+                ],
+                vec![
+                    Cell::text("--gain fit"),
+                    Cell::number(Some(found.even), 4),
+                    share(found.fit_level),
+                    share(0.0),
+                ],
+                vec![
+                    Cell::text("--gain clip"),
+                    Cell::text("-"),
+                    share(found.clip_level),
+                    share(found.clipped),
+                ],
+            ],
+            foot: Vec::new(),
+        }
+    }
+
+    /// Writes the pictures.
+    pub fn write(&self, output: &mut Output) -> Result<(), Failure> {
+        let mut picture = |name: &str, picture: &Picture| -> Result<(), Failure> {
+            output.write(name, |path| write_still(path, picture, Depth::Eight))
+        };
+        picture("gain.png", &gain_picture(&self.evenness.gain))?;
+        let [plain, even] = &self.evenness.views;
+        picture("white-uncompensated.png", &exposed(plain))?;
+        picture("white-compensated.png", &exposed(even))?;
+        if let Some(fringes) = &self.fringes {
+            let [plain, by_colour] = &fringes.close_ups;
+            picture("fringes-one-map.png", plain)?;
+            picture("fringes-per-channel.png", by_colour)?;
+        }
+        picture("stray.png", &self.stray.picture())
+    }
+}
+
+fn fringe_table(fringes: &Fringes) -> Table {
+    let row = |name: &str, width: FringeWidth| {
+        vec![Cell::text(name), Cell::number(Some(width.mean), 4), Cell::number(Some(width.max), 4)]
+    };
+    Table {
+        caption: format!(
+            "Colour fringes across the lattice's lines at {} places, view pixels",
+            fringes.places
+        ),
+        head: vec![["", "mean", "largest"].map(|text| (text.to_owned(), 1)).into()],
+        rows: vec![
+            row("one map", fringes.one_map),
+            row("a map for each colour", fringes.by_colour),
+        ],
+        foot: Vec::new(),
+    }
+}
+
+/// The gain as a picture, over its largest; black where there is no answer.
+fn gain_picture(gain: &Gain) -> Picture {
+    let most = gain.range().map_or(1.0, |[_, most]| most.max(f32::MIN_POSITIVE));
+    let pixel = |rgb: &[f32; 3]| match rgb.iter().all(|share| share.is_finite()) {
+        true => [rgb[0] / most, rgb[1] / most, rgb[2] / most, 1.0],
+        false => [0.0, 0.0, 0.0, 1.0],
+    };
+    Picture { width: gain.width, height: gain.height, pixels: gain.rgb.iter().map(pixel).collect() }
+}
+
+/// A view over its brightest.
+fn exposed(view: &Picture) -> Picture {
+    let light = view.pixels.iter().flat_map(|pixel| &pixel[..3]);
+    let most = light.copied().fold(f32::MIN_POSITIVE, f32::max);
+    let pixels = view.pixels.iter().map(|&[r, g, b, _]| [r / most, g / most, b / most, 1.0]);
+    Picture { width: view.width, height: view.height, pixels: pixels.collect() }
+}
+
+/// A ratio in words; a dash where there is none.
+fn ratio(value: f64) -> String {
+    if value.is_finite() { format!("{value:.3}") } else { "-".to_owned() }
+}
+
+fn width_text(width: FringeWidth) -> String {
+    match width.mean.is_finite() {
+        true => format!("{:.3} px ({:.3} at most)", width.mean, width.max),
+        false => "not measurable".to_owned(),
+    }
+}

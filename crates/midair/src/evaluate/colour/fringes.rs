@@ -1,0 +1,152 @@
+//! Colour fringes at a lattice's lines, with one map for all colours and with one for each.
+
+use super::super::lattice::{LatticeStyle, LatticeStyleError, draw_lattice};
+use super::super::proof::displacement::Sight;
+use super::super::proof::{ProofError, view_size};
+use super::{coarse, shows};
+use crate::map::{Accuracy, Map, invert, with_rim};
+use crate::media::optimal::{ViewSamples, view_through};
+use crate::media::{Picture, display_image, display_image_by_colour};
+use crate::scene::Loaded;
+use crate::simulate::Camera;
+use crate::transport::{Path, Setup};
+
+/// How wide fringes are at lattice lines: the distance across the line between the outermost of the three colours, in view pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FringeWidth {
+    /// Mean over all places; NaN where nothing is formed.
+    pub mean: f64,
+    /// At the worst place.
+    pub max: f64,
+}
+
+/// The fringes of a lattice, with and without a map for each colour.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fringes {
+    /// With one map, made for [`DESIGN_WAVELENGTH`](crate::transport::DESIGN_WAVELENGTH).
+    pub one_map: FringeWidth,
+    /// With a map for each colour.
+    pub by_colour: FringeWidth,
+    /// Places on the lines that were compared: those that all three colours reach.
+    pub places: usize,
+    /// Display pixels along a side of the maps of each colour.
+    pub resolution: [usize; 2],
+    /// A white lattice about the worst place, a fifth of the view wide: with one map, and with three. Linear light.
+    pub close_ups: [Picture; 2],
+}
+
+/// Display pixels along a side of the maps of each colour.
+const PIXELS: usize = 512;
+/// Places between two neighbouring lines.
+const PLACES: usize = 8;
+/// Width of the close-ups: pixels, and as a share of the image.
+const CLOSE_UP: usize = 192;
+const CLOSE_UP_SHARE: f64 = 0.2;
+/// Lattices are drawn so fine that a close-up shows no pixels of them.
+const DRAWN: usize = 1536;
+
+/// Fringes of a scene at the lines of a lattice, in pixels of a view that is `width` pixels wide; `one` is the scene's map for all colours.
+///
+/// # Errors
+/// [`ProofError`] where the scene cannot be traced or the lattice not be drawn.
+pub fn fringes(
+    loaded: &Loaded,
+    one: &Map,
+    style: &LatticeStyle,
+    width: usize,
+) -> Result<Fringes, ProofError> {
+    let main = Setup::new(loaded)?;
+    let setups = Setup::by_colour(loaded)?.map(|setup| coarse(setup, PIXELS));
+    let three = setups.each_ref().map(|setup| invert(setup, Accuracy::default()).0);
+    let camera = Camera::at_viewpoint(&main, view_size(&main, width));
+
+    let mut sums = [FringeWidth { mean: 0.0, max: 0.0 }; 2];
+    let (mut places, mut worst) = (0, [0.5; 2]);
+    for (uv, across) in on_lines(style) {
+        let at = |map: &Map, c: usize| -> Option<f64> {
+            let seen = Sight { setup: &setups[c], map }.compensated(uv)?;
+            Some(camera.view_position(seen)[across])
+        };
+        let width = |maps: [&Map; 3]| -> Option<f64> {
+            let [r, g, b] = [at(maps[0], 0)?, at(maps[1], 1)?, at(maps[2], 2)?];
+            Some(r.max(g).max(b) - r.min(g).min(b))
+        };
+        let whole = |c: usize| {
+            let st = setups[c].transport(uv, &mut Path::new()).formed();
+            st.is_some_and(|st| shows(&three[c], st, uv, 0.5 / PIXELS as f64))
+        };
+        let widths = (width([one; 3]), width(three.each_ref()));
+        let ((Some(plain), Some(by_colour)), true) = (widths, (0..3).all(whole)) else {
+            continue;
+        };
+        places += 1;
+        if plain > sums[0].max {
+            worst = uv;
+        }
+        for (sum, width) in sums.iter_mut().zip([plain, by_colour]) {
+            sum.mean += width;
+            sum.max = sum.max.max(width);
+        }
+    }
+    let [one_map, by_colour] = sums.map(|sum| match places {
+        0 => FringeWidth { mean: f64::NAN, max: f64::NAN },
+        n => FringeWidth { mean: sum.mean / n as f64, ..sum },
+    });
+    let close_ups = close_ups(&main, &setups, one, &three, style, worst)?;
+    let resolution = setups[0].resolution;
+    Ok(Fringes { one_map, by_colour, places, resolution, close_ups })
+}
+
+/// Image points on the lines of a lattice, each with the axis that runs across its line.
+fn on_lines(style: &LatticeStyle) -> impl Iterator<Item = ([f64; 2], usize)> {
+    let lines = style.lines_at();
+    let steps = PLACES * (style.lines - 1);
+    let (first, last) = (style.margin, 1.0 - style.margin);
+    lines.into_iter().flat_map(move |line| {
+        (0..=steps).flat_map(move |k| {
+            let along = first + (last - first) * k as f64 / steps as f64;
+            [([line, along], 0), ([along, line], 1)]
+        })
+    })
+}
+
+/// A white lattice seen in its three colours, about an image point.
+fn close_ups(
+    main: &Setup,
+    setups: &[Setup; 3],
+    one: &Map,
+    three: &[Map; 3],
+    style: &LatticeStyle,
+    about: [f64; 2],
+) -> Result<[Picture; 2], ProofError> {
+    let style = LatticeStyle { line: [1.0; 4], ground: [0.0, 0.0, 0.0, 1.0], ..style.clone() };
+    let drawn: Result<Picture, LatticeStyleError> = draw_lattice(DRAWN, DRAWN, &style);
+    let drawn = drawn?;
+    let three = three.each_ref().map(with_rim);
+    let displays =
+        [display_image(&drawn, &with_rim(one)), display_image_by_colour(&drawn, three.each_ref())];
+    let half = 0.5 * CLOSE_UP_SHARE;
+    let middle = main.image.point(about.map(|c| c.clamp(half, 1.0 - half)));
+    let mut views = [None, None];
+    for (c, setup) in setups.iter().enumerate() {
+        // What a ray meets does not depend on the image: a smaller one is a closer look.
+        let mut closer = setup.clone();
+        closer.image.frame.origin = middle;
+        closer.image.size = closer.image.size.map(|side| side * CLOSE_UP_SHARE);
+        let size = view_size(&closer, CLOSE_UP);
+        let camera = Camera::at_viewpoint(&closer, size);
+        let samples = ViewSamples::of(&camera.rays(&closer), &|_| {});
+        for (view, display) in views.iter_mut().zip(&displays) {
+            let seen = view_through(&samples, display)?;
+            match view {
+                None => *view = Some(seen),
+                Some(view) => {
+                    let pixels = view.pixels.iter_mut().zip(&seen.pixels);
+                    pixels.for_each(|(pixel, seen)| pixel[c] = seen[c]);
+                }
+            }
+        }
+    }
+    let empty = || Picture::filled(1, 1, [0.0; 4]);
+    Ok(views.map(|view| view.unwrap_or_else(empty)))
+}
