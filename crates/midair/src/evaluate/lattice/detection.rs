@@ -1,7 +1,7 @@
 //! Finding the intersections of a lattice in a picture.
 
 use super::super::Plane;
-use super::graph::{Node, trace_lines};
+use super::graph::trace_lines;
 use super::joining::{Joined, join};
 use super::measurement::Measurement;
 use super::ordering::pieces;
@@ -43,6 +43,9 @@ pub enum Missing {
     /// The measured places of a line do not lie on a smooth curve: it is broken or doubled there.
     #[error("a line is broken or doubled there")]
     Broken,
+    /// It lies where none of its neighbours would have it: its name is in doubt.
+    #[error("it is not where its neighbours would have it")]
+    Stranger,
 }
 
 /// Why no lattice was found.
@@ -147,7 +150,8 @@ pub fn detect(picture: &Plane, lines: usize) -> Result<Lattice, LatticeError> {
         searched = std::borrow::Cow::Owned(halved(&searched));
         scale *= 2.0;
     }
-    let mut best: Option<(Vec<Node>, Joined, f64)> = None;
+    let mut best: Option<((usize, usize, usize), Lattice)> = None;
+    let mut partial: Option<Joined> = None;
     let mut crowded = None;
     for sigma in SCALES {
         let nodes = trace_lines(&RidgeField::new(&searched, sigma));
@@ -159,35 +163,44 @@ pub fn detect(picture: &Plane, lines: usize) -> Result<Lattice, LatticeError> {
             continue;
         }
         let Some(joined) = join(&nodes, pieces, lines) else { continue };
-        let complete = joined.crossings() == lines * lines;
-        if best.as_ref().is_none_or(|(_, other, _)| joined.rank(lines) > other.rank(lines)) {
-            best = Some((nodes, joined, sigma));
-        }
-        if complete {
-            break;
+        if (joined.columns, joined.rows) == (lines, lines) {
+            let measurement = Measurement { picture, nodes: &nodes, scale, sigma };
+            let lattice = measured(&measurement, &joined, lines);
+            let found = lattice.found();
+            // Names are without doubt in one piece; among searches that saw as much, the one that can be measured best.
+            let (largest, crossings) = joined.rank();
+            let rank = (largest, crossings, found);
+            if best.as_ref().is_none_or(|(other, _)| rank > *other) {
+                best = Some((rank, lattice));
+            }
+            if found == lines * lines {
+                break;
+            }
+        } else if partial.as_ref().is_none_or(|other| joined.rank() > other.rank()) {
+            partial = Some(joined);
         }
     }
-    let Some((nodes, joined, sigma)) = best else {
-        let (columns, rows) = crowded.ok_or(LatticeError::NoLattice)?;
+    if let Some((_, lattice)) = best {
+        return Ok(lattice);
+    }
+    if let Some((columns, rows)) = crowded {
         return Err(LatticeError::TooMany { columns, rows, lines });
-    };
-    if (joined.columns, joined.rows) != (lines, lines) {
-        if let Some((columns, rows)) = crowded {
-            return Err(LatticeError::TooMany { columns, rows, lines });
-        }
-        let Joined { columns, rows, left_over, .. } = joined;
-        return Err(LatticeError::Partial {
-            columns,
-            rows,
-            lines,
-            nodes: joined.crossings(),
-            left_over,
-        });
     }
-    let measurement = Measurement { picture, nodes: &nodes, scale, sigma };
-    // Each piece by itself: lines end where they are cut.
+    let joined = partial.ok_or(LatticeError::NoLattice)?;
+    let nodes = joined.crossings();
+    let Joined { columns, rows, left_over, .. } = joined;
+    Err(LatticeError::Partial { columns, rows, lines, nodes, left_over })
+}
+
+/// Each piece by itself: lines end where they are cut.
+fn measured(measurement: &Measurement, joined: &Joined, lines: usize) -> Lattice {
     let mut parts = joined.pieces.iter().map(|piece| measurement.lattice(piece, lines));
-    let mut lattice = parts.next().ok_or(LatticeError::NoLattice)?;
+    let empty = || Lattice {
+        lines,
+        intersections: vec![Err(Missing::NotSeen); lines * lines],
+        line_width: 0.0,
+    };
+    let mut lattice = parts.next().unwrap_or_else(empty);
     for part in parts {
         for (found, other) in lattice.intersections.iter_mut().zip(part.intersections) {
             if matches!(found, Err(Missing::NotSeen)) {
@@ -195,7 +208,40 @@ pub fn detect(picture: &Plane, lines: usize) -> Result<Lattice, LatticeError> {
             }
         }
     }
-    Ok(lattice)
+    drop_strangers(&mut lattice);
+    lattice
+}
+
+/// Crossings further than this share of a step from where all of their neighbours would have them are misnamed: a cut displaces
+/// them from the neighbours beyond it only.
+const STRANGE: f64 = 0.6;
+
+/// Takes out crossings that no two neighbours in a row confirm; two lines have no such neighbours.
+fn drop_strangers(lattice: &mut Lattice) {
+    let lines = lattice.lines as isize;
+    if lines < 3 {
+        return;
+    }
+    let points = lattice.points();
+    let at = |column: isize, row: isize| {
+        let inside = (0..lines).contains(&column) && (0..lines).contains(&row);
+        if inside { points[(row * lines + column) as usize] } else { None }
+    };
+    for (index, found) in lattice.intersections.iter_mut().enumerate() {
+        let Ok([x, y]) = *found else { continue };
+        let (column, row) = (index as isize % lines, index as isize / lines);
+        let confirms = |(dc, dr): (isize, isize)| {
+            let (near, far) = (at(column + dc, row + dr)?, at(column + 2 * dc, row + 2 * dr)?);
+            let [sx, sy] = [near[0] - far[0], near[1] - far[1]];
+            let off = (near[0] + sx - x).hypot(near[1] + sy - y);
+            Some(off <= STRANGE * sx.hypot(sy))
+        };
+        let mut told =
+            [(1, 0), (0, 1), (-1, 0), (0, -1)].into_iter().filter_map(confirms).peekable();
+        if told.peek().is_some() && !told.any(|confirmed| confirmed) {
+            *found = Err(Missing::Stranger);
+        }
+    }
 }
 
 fn check(picture: &Plane, lines: usize) -> Result<(), LatticeError> {
@@ -220,4 +266,28 @@ fn halved(picture: &Plane) -> Plane {
         let upper = picture.at(c, r) + picture.at(c + 1, r);
         0.25 * (upper + picture.at(c, r + 1) + picture.at(c + 1, r + 1))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_misnamed_crossing_is_taken_out_and_its_neighbours_are_not() {
+        // Bent by a parabola, so that no neighbour's prediction is exact.
+        let place = |i: usize| {
+            let (column, row) = ((i % 4) as f64, (i / 4) as f64);
+            [40.0 * column + row * row, 40.0 * row - 2.0 * column * column]
+        };
+        let mut intersections: Vec<_> = (0..16).map(|i| Ok(place(i))).collect();
+        let mut lattice =
+            Lattice { lines: 4, intersections: intersections.clone(), line_width: 3.0 };
+        drop_strangers(&mut lattice);
+        assert_eq!(lattice.intersections, intersections);
+        // Named as the one a column further to the right.
+        lattice.intersections[5] = Ok(place(6));
+        drop_strangers(&mut lattice);
+        intersections[5] = Err(Missing::Stranger);
+        assert_eq!(lattice.intersections, intersections);
+    }
 }

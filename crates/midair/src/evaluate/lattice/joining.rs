@@ -22,11 +22,11 @@ impl Joined {
 }
 
 impl Joined {
-    /// What makes one search better than another: that all lines are there, then the largest piece, where names
-    /// are without doubt, then the rest.
-    pub fn rank(&self, lines: usize) -> (bool, usize, usize) {
+    /// What makes one search that did not find all lines better than another: the largest piece, where names are without
+    /// doubt, then the rest.
+    pub fn rank(&self) -> (usize, usize) {
         let largest = self.pieces.first().map_or(0, |piece| piece.cells.len());
-        ((self.columns, self.rows) == (lines, lines), largest, self.crossings())
+        (largest, self.crossings())
     }
 }
 

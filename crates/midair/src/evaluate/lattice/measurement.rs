@@ -8,7 +8,7 @@ use super::detection::{Lattice, Missing};
 use super::graph::{Node, distance};
 use super::ordering::{Piece, Placed};
 use super::refinement;
-use super::stretch::{Stretch, is_smooth};
+use super::stretch::{Stretch, is_smooth, usual_deviation};
 
 /// What a measurement at full resolution starts from.
 pub(super) struct Measurement<'a> {
@@ -20,6 +20,9 @@ pub(super) struct Measurement<'a> {
     pub sigma: f64,
 }
 
+/// A third of a pixel, at two standard errors: what is less certain is no measurement.
+const MOST_ERROR: f64 = 0.15;
+
 /// The slots of an ordered node's arms ([`Placed::arms`]).
 const RIGHT: usize = 0;
 const DOWN: usize = 1;
@@ -27,6 +30,21 @@ const DOWN: usize = 1;
 /// Measured centres of one line: between crossing i - 1 and crossing i at index i, so that 0 and the
 /// last are its free ends. Empty where the line was not traced.
 type Line = Vec<Stretch>;
+
+/// What the lattice's lines are like.
+#[derive(Clone, Copy)]
+struct Lines {
+    /// Full width at half height, pixels.
+    width: f64,
+    /// Usual deviation of their centres from a smooth curve, pixels.
+    usually: f64,
+}
+
+/// Beyond this distance from a crossing, the crossing line and its blur do not reach into the window across this
+/// one, even when they cross at 60 degrees.
+fn clear_of(width: f64) -> f64 {
+    1.5 * width + 1.5
+}
 
 /// The centres between two crossings.
 type Segment<'a> = &'a [[f64; 2]];
@@ -37,18 +55,25 @@ impl Measurement<'_> {
         let cell = |column: usize, row: usize| piece.cells.get(&(column, row));
         let all: Vec<&Placed> = piece.cells.values().collect();
         let width = self.line_width(&all);
-        let line = |index: usize, slot: usize| -> Line {
+        let line = |(index, slot): (usize, usize)| -> Vec<Vec<[f64; 2]>> {
             let along = |at: usize| if slot == RIGHT { cell(at, index) } else { cell(index, at) };
             (0..=lines).map(|at| self.segment(at, slot, lines, width, &along)).collect()
         };
-        let rows: Vec<Line> = (0..lines).into_par_iter().map(|at| line(at, RIGHT)).collect();
-        let columns: Vec<Line> = (0..lines).into_par_iter().map(|at| line(at, DOWN)).collect();
+        let named = |at: usize| if at < lines { (at, RIGHT) } else { (at - lines, DOWN) };
+        let centres: Vec<_> = (0..2 * lines).into_par_iter().map(named).map(line).collect();
+        let usually = usual_deviation(centres.iter().flatten().map(Vec::as_slice));
+        // A window across the line reaches over a cut that crosses it at 45 degrees from as far away.
+        let stretch = |centres: Vec<[f64; 2]>| Stretch::new(centres, clear_of(width), usually);
+        let shared = |line: Vec<_>| -> Line { line.into_iter().map(stretch).collect() };
+        let mut rows: Vec<Line> = centres.into_par_iter().map(shared).collect();
+        let columns = rows.split_off(lines);
+        let scale = Lines { width, usually };
         let intersections = (0..lines * lines)
             .into_par_iter()
             .map(|at| {
                 let (column, row) = (at % lines, at / lines);
                 let placed = cell(column, row).ok_or(Missing::NotSeen)?;
-                self.intersection(placed, (&rows[row], column), (&columns[column], row), width)
+                self.intersection(placed, (&rows[row], column), (&columns[column], row), scale)
             })
             .collect();
         Lattice { lines, intersections, line_width: width }
@@ -111,7 +136,7 @@ impl Measurement<'_> {
         lines: usize,
         width: f64,
         along: &impl Fn(usize) -> Option<&'p Placed>,
-    ) -> Stretch {
+    ) -> Vec<[f64; 2]> {
         let arm_of = |placed: Option<&'p Placed>, slot: usize| {
             let placed = placed?;
             Some((placed.node, placed.arms[slot]?))
@@ -129,10 +154,8 @@ impl Measurement<'_> {
             Some(found) => (Some(found), false),
             None => (leads(after, opposite, before), true),
         };
-        let Some((node, arm)) = found else { return Stretch::default() };
-        // Beyond this the crossing line and its blur do not reach into the window across this one,
-        // even when they cross at 60 degrees.
-        let clear = 1.5 * width + 1.5;
+        let Some((node, arm)) = found else { return Vec::new() };
+        let clear = clear_of(width);
         // The smoothing that loses least to noise has the line's own profile (matched filter).
         let sigma = (0.42 * width).max(1.0);
         let mut centres: Vec<[f64; 2]> = self
@@ -143,8 +166,16 @@ impl Measurement<'_> {
         if backwards {
             centres.reverse();
         }
-        // A window across the line reaches over a cut that crosses it at 45 degrees from as far away.
-        Stretch::new(centres, clear)
+        centres
+    }
+
+    /// How far from its crossing a line was traced, pixels.
+    fn reach(&self, placed: &Placed, slot: usize) -> f64 {
+        let node = &self.nodes[placed.node];
+        let Some(arm) = placed.arms[slot].map(|arm| &node.arms[arm]) else { return 0.0 };
+        let traced: f64 = arm.trace.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
+        let to_first = arm.trace.first().map_or(0.0, |&first| distance(node.place, first));
+        self.scale * (to_first + traced)
     }
 
     fn intersection(
@@ -152,27 +183,34 @@ impl Measurement<'_> {
         placed: &Placed,
         (row, column): (&Line, usize),
         (other, at): (&Line, usize),
-        width: f64,
+        Lines { width, usually }: Lines,
     ) -> Result<[f64; 2], Missing> {
         let place = self.nodes[placed.node].place;
         let origin = [self.scale * place[0], self.scale * place[1]];
-        let curve = |line: &Line, at: usize| {
+        let curve = |line: &Line, at: usize, slot: usize| {
             let (before, after) = around(line, at);
+            // Within the lattice a line goes on: one that ends right at a crossing was cut there, and what lies beyond the cut
+            // reaches into the other line's window too.
+            let ends = |slot: usize| self.reach(placed, slot) < 2.0 * clear_of(width);
+            if (at > 0 && before.is_empty() && ends((slot + 2) % 4))
+                || (at + 2 < line.len() && after.is_empty() && ends(slot))
+            {
+                return Err(Missing::Broken);
+            }
             // A cut next to the crossing displaces one side from the other.
             if let (Some(near), Some(next)) = (before.first(), after.first())
-                && !is_smooth(&[*near, *next].concat(), 4)
+                && !is_smooth(&[*near, *next].concat(), 4, usually)
             {
                 return Err(Missing::Broken);
             }
             Curve::through(origin, &before, &after).ok_or(Missing::LineTooShort)
         };
-        let (row, column) = (curve(row, column)?, curve(other, at)?);
+        let (row, column) = (curve(row, column, RIGHT)?, curve(other, at, DOWN)?);
         // A line that is whole is measured to a fraction of its width.
         if row.residual.max(column.residual) > 0.25 * width + 0.25 {
             return Err(Missing::Broken);
         }
-        // A third of a pixel, at two standard errors: what is less certain is no measurement.
-        if row.error.hypot(column.error) > 0.15 {
+        if row.error.hypot(column.error) > MOST_ERROR {
             return Err(Missing::LineTooShort);
         }
         let found = row.meet(&column).ok_or(Missing::Broken)?;

@@ -10,7 +10,7 @@ use crate::geometry::{Rectangle, Vec3};
 use crate::media::Picture;
 use crate::scene::Loaded;
 use crate::simulate::tone::exposed;
-use crate::simulate::{Camera, Plate};
+use crate::simulate::{Camera, Light, Plate};
 
 /// How an evaluation is rendered.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,16 +36,16 @@ pub struct Settings {
 }
 
 impl Default for Settings {
-    /// 32 paths a pixel and 128 for the lattice, whose lines are 3 % of the image wide, views of 384 and 240 pixels, a pupil of 20 mm, azimuths from -15 to 15 by 5, and 16.8 pixels to a millimetre, which the
+    /// 32 paths a pixel and 128 for the lattice, whose lines are 2 % of the image wide, views of 384 and 480 pixels, a pupil of 20 mm, azimuths from -15 to 15 by 5, and 16.8 pixels to a millimetre, which the
     /// paper's 78.87 pixels for a slab of 50 mm at 15.8 degrees suggest.
     fn default() -> Self {
         Self {
             quality_width: 384,
-            shape_size: 240,
+            shape_size: 480,
             shape_window: 1.8,
             samples_per_pixel: 32,
             shape_samples_per_pixel: 128,
-            line_width: 0.03,
+            line_width: 0.02,
             aperture: 20.0,
             azimuths: (-3..=3).map(|step| 5.0 * f64::from(step)).collect(),
             pixels_per_mm: 16.8,
@@ -118,6 +118,7 @@ pub fn quality<E: From<PaperError>>(
             aperture: settings.aperture,
             samples_per_pixel: settings.samples_per_pixel,
             seed,
+            light: Light::All,
         };
         let picture = cropped(&photograph.picture, image.size[0] / image.size[1]);
         let as_is = stage.as_is(&picture);
@@ -181,7 +182,7 @@ pub(super) fn cropped(picture: &Picture, proportions: f64) -> Picture {
 }
 
 /// Figure 7 for one surface: the lattice's mean displacement from where it is seen without the object, over the camera's azimuth.
-/// Notes tell why a view could not be measured. `done` gets the views from each azimuth: the reference, compensated, with the compensation for
+/// It is measured in the light of the mid-air image alone: stray images that lie across the lattice hide its lines. Notes tell why a view could not be measured. `done` gets the views from each azimuth: the reference, compensated, with the compensation for
 /// azimuth 0 kept, and without; a black one where nothing can be formed.
 ///
 /// # Errors
@@ -195,7 +196,9 @@ pub fn shape<E: From<PaperError>>(
 ) -> Result<(Shape, Vec<String>), E> {
     let stage = Stage::new(subject.scene).map_err(PaperError::from)?;
     let image = stage.image();
-    let style = LatticeStyle { line_width: settings.line_width, ..LatticeStyle::default() };
+    // Lines that end at the image's border: what sticks out of the lattice lets its outer crossings be measured from both sides.
+    let mut style = LatticeStyle { line_width: settings.line_width, ..LatticeStyle::default() };
+    style.overhang = style.margin;
     let [columns, rows] = [768, (768.0 * image.size[1] / image.size[0]).round() as usize];
     let drawn = draw_lattice(columns, rows.max(1), &style).map_err(PaperError::from)?;
     let as_is = stage.as_is(&drawn);
@@ -222,6 +225,7 @@ pub fn shape<E: From<PaperError>>(
                 aperture: settings.aperture,
                 samples_per_pixel: settings.shape_samples_per_pixel,
                 seed,
+                light: Light::Real,
             };
             let view = stage.view(shown, with_object, take)?;
             let points = match detect(&Plane::luminance(&view), style.lines) {

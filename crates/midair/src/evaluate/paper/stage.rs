@@ -69,6 +69,8 @@ pub(super) struct Take<'a> {
     pub aperture: f64,
     pub samples_per_pixel: u32,
     pub seed: u32,
+    /// Which light the picture shows.
+    pub light: Light,
 }
 
 impl<'a> Stage<'a> {
@@ -148,7 +150,7 @@ impl<'a> Stage<'a> {
             RenderSettings { samples_per_pixel: take.samples_per_pixel, seed: take.seed };
         let rendered =
             render(&setup, take.plate, &shown.picture, &viewer, &settings, Watch::default())?;
-        Ok(rendered.view(Light::All))
+        Ok(rendered.view(take.light))
     }
 }
 
