@@ -4,7 +4,9 @@
 //! its derivatives and the forward simulator share one copy of it.
 
 pub mod glass;
+pub mod glass_file;
 pub mod interface;
 pub mod plate;
 pub mod screen;
 pub mod srgb;
+mod table;

@@ -1,6 +1,7 @@
 //! A display's response: which light its codes stand for.
 
 use super::srgb;
+use super::table::interpolate;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -196,19 +197,6 @@ impl ResponseTable {
     /// Light at code 0 by R, G, B, as a share of white's.
     pub fn black(&self) -> [f64; 3] {
         self.black
-    }
-}
-
-/// `ys` at `x` between the points of ascending `xs`, the first of equal ones.
-fn interpolate(xs: &[f64], ys: &[f64], x: f64) -> f64 {
-    let above = xs.partition_point(|&known| known < x);
-    match (above.checked_sub(1), xs.get(above)) {
-        (None, _) => ys[0],
-        (_, None) => ys[ys.len() - 1],
-        (Some(below), Some(_)) => {
-            let share = (x - xs[below]) / (xs[above] - xs[below]);
-            ys[below] + share * (ys[above] - ys[below])
-        }
     }
 }
 

@@ -235,8 +235,8 @@ pub enum Material {
     Refractive {
         /// Its refractive index.
         index: Index,
-        /// Absorption per mm by linear R, G, B.
-        absorption: [f64; 3],
+        /// Absorption per mm by linear R, G, B; `None`: as the glass file says at the display's wavelengths, else none.
+        absorption: Option<[f64; 3]>,
     },
     /// A reflective surface.
     Mirror {
@@ -254,4 +254,6 @@ pub enum Index {
     Cauchy(f64, f64),
     /// A glass of the built-in catalogue.
     Glass(String),
+    /// A YAML file as refractiveindex.info has them, relative to the scene file.
+    File(PathBuf),
 }

@@ -232,8 +232,7 @@ fn element(fields: &Fields<'_>) -> Option<Element> {
     let shape_fields = fields.block("shape")?;
     let material = fields.block("material")?;
     let name = fields.text("name").or(shape_fields.text("kind"))?.to_owned();
-    let absorption =
-        material.colour("absorption").or(fields.colour("absorption")).unwrap_or_default();
+    let absorption = material.colour("absorption").or(fields.colour("absorption"));
     let material = if material.flag("mirror") == Some(true) {
         Material::Mirror { reflectance: material.colour("reflectance")? }
     } else {
@@ -241,6 +240,8 @@ fn element(fields: &Fields<'_>) -> Option<Element> {
             Index::Constant(ior)
         } else if let Some([a, b]) = material.numbers("cauchy") {
             Index::Cauchy(a, b)
+        } else if let Some(file) = material.text("file") {
+            Index::File(file.into())
         } else {
             Index::Glass(material.text("glass")?.to_owned())
         };

@@ -148,8 +148,12 @@ fn material(material: &Material) -> String {
                 Index::Constant(ior) => format!("ior = {ior:?}"),
                 Index::Cauchy(a, b) => format!("cauchy = [{a:?}, {b:?}]"),
                 Index::Glass(name) => format!("glass = {}", text(name)),
+                Index::File(file) => format!("file = {}", text(&file.to_string_lossy())),
             };
-            format!("{index}, absorption = {absorption:?}")
+            match absorption {
+                Some(absorption) => format!("{index}, absorption = {absorption:?}"),
+                None => index,
+            }
         }
     }
 }

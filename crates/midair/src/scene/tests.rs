@@ -66,7 +66,7 @@ fn a_scene_reads_as_it_is_written() {
             name: "ball".into(),
             shape: Shape::Sphere { radius: 25.0 },
             pose: Pose::default(),
-            material: Material::Refractive { index: Index::Constant(1.49), absorption: [0.0; 3] },
+            material: Material::Refractive { index: Index::Constant(1.49), absorption: None },
             priority: None,
         }],
     };
@@ -678,9 +678,10 @@ fn material_strategy() -> impl Strategy<Value = Material> {
         (1.2..2.0, 0.0..0.02).prop_map(|(a, b)| Index::Cauchy(a, b)),
         prop::sample::select(crate::optics::glass::names().collect::<Vec<_>>())
             .prop_map(|name| Index::Glass(name.to_owned())),
+        "[^\\x00]{1,20}".prop_map(|file| Index::File(file.into())),
     ];
     prop_oneof![
-        (index, numbers::<3>(0.0..10.0))
+        (index, prop::option::of(numbers::<3>(0.0..10.0)))
             .prop_map(|(index, absorption)| Material::Refractive { index, absorption }),
         numbers::<3>(0.0..1.0).prop_map(|reflectance| Material::Mirror { reflectance }),
     ]

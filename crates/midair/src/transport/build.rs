@@ -2,13 +2,11 @@
 
 use super::setup::{Element, MAX_SOLIDS, Matter, Setup};
 use crate::geometry::{Convex, HeightField, MeshSurface, Shape, Sheet, Vec3};
-use crate::optics::glass;
+use crate::optics::glass::{self, DESIGN_WAVELENGTH};
+use crate::optics::glass_file::GlassFile;
 use crate::scene::model::{self, Facing, HeightSource, Index, Material};
 use crate::scene::{Asset, Loaded};
 use std::sync::Arc;
-
-/// The wavelength that indices are taken at when none is named: the helium d line, micrometres.
-pub const DESIGN_WAVELENGTH: f64 = 0.587_56;
 
 /// Why a scene cannot be traced.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -43,7 +41,11 @@ impl Setup {
             .elements
             .iter()
             .zip(&loaded.assets)
-            .map(|(element, asset)| place(element, asset, wavelength))
+            .enumerate()
+            .map(|(i, (element, asset))| {
+                let glass = loaded.glasses.get(i).and_then(Option::as_deref);
+                place(element, asset, glass, wavelength, scene.display.wavelengths)
+            })
             .collect::<Result<Vec<_>, _>>()?;
         rank(&mut elements, &scene.elements)?;
         Ok(Self::around(scene, elements))
@@ -88,10 +90,20 @@ impl Setup {
     }
 }
 
-fn place(element: &model::Element, asset: &Asset, wavelength: f64) -> Result<Element, SetupError> {
+/// `wavelength` in micrometres, the display's `colours` in nm.
+fn place(
+    element: &model::Element,
+    asset: &Asset,
+    glass: Option<&GlassFile>,
+    wavelength: f64,
+    colours: [f64; 3],
+) -> Result<Element, SetupError> {
     let matter = match &element.material {
         Material::Refractive { index, absorption } => {
-            Matter::Refractive { index: index_at(index, wavelength)?, absorption: *absorption }
+            let index = index_at(index, glass, wavelength, &element.name)?;
+            let of_glass = || glass.map(|glass| colours.map(|nm| glass.absorption(nm / 1000.0)));
+            let absorption = absorption.or_else(of_glass).unwrap_or_default();
+            Matter::Refractive { index, absorption }
         }
         Material::Mirror { reflectance } => Matter::Mirror { reflectance: *reflectance },
     };
@@ -105,8 +117,16 @@ fn place(element: &model::Element, asset: &Asset, wavelength: f64) -> Result<Ele
     })
 }
 
-fn index_at(index: &Index, wavelength: f64) -> Result<f64, SetupError> {
+fn index_at(
+    index: &Index,
+    glass: Option<&GlassFile>,
+    wavelength: f64,
+    name: &str,
+) -> Result<f64, SetupError> {
     Ok(match index {
+        Index::File(_) => {
+            glass.ok_or_else(|| SetupError::NoAsset(name.to_owned()))?.index(wavelength)
+        }
         Index::Constant(n) => *n,
         // Cauchy 1836, to its second term.
         Index::Cauchy(a, b) => a + b / (wavelength * wavelength),
