@@ -335,6 +335,13 @@ static DISPLAY: Block = block(
             "Its light by code as measured: a CSV file (code,light or code,red,green,blue), relative to the scene file.",
         ),
         optional(
+            "emission",
+            Kind::File,
+            None,
+            Need::Optional,
+            "Its radiance by angle from its normal as measured: a CSV file (angle,radiance or angle,red,green,blue), relative to the              scene file; left out: alike in all directions (Lambert).",
+        ),
+        optional(
             "black",
             Kind::Colour(0.0, 0.5),
             None,

@@ -4,6 +4,7 @@ use super::error::{SceneError, SceneText};
 use super::model::{HeightSource, Index, Material, Normals, ResponseSource, Scene, Shape};
 use super::{Format, heights, parse_with_places, sense};
 use crate::geometry::mesh::{self, Surface, TriangleMesh};
+use crate::optics::emission::{Emission, EmissionTable};
 use crate::optics::glass::DESIGN_WAVELENGTH;
 use crate::optics::glass_file::GlassFile;
 use crate::optics::plate::LuminanceTable;
@@ -35,6 +36,8 @@ pub struct Loaded {
     pub glasses: Vec<Option<Arc<GlassFile>>>,
     /// How the display's codes become light.
     pub screen: Screen,
+    /// How its light goes with the direction.
+    pub emission: Emission,
     /// The measured luminance that the plate names.
     pub luminance: Option<LuminanceTable>,
     /// The scene file's text, for messages that show a line of it.
@@ -135,6 +138,16 @@ pub fn with_files(scene: Scene, text: SceneText, folder: PathBuf) -> Result<Load
     }
     let glasses = glasses(&scene, &text, &folder)?;
     let screen = screen(&scene, &text, &folder)?;
+    let emission = match &scene.display.emission {
+        None => Emission::Lambert,
+        Some(file) => {
+            let table = EmissionTable::read(&folder.join(file)).map_err(|e| {
+                let help = "give a CSV file with a header angle,radiance or angle,red,green,blue";
+                text.error_at("display.emission", e.to_string(), help)
+            })?;
+            Emission::Measured(Arc::new(table))
+        }
+    };
     let luminance = match &scene.plate.luminance {
         None => None,
         Some(file) => Some(LuminanceTable::read(&folder.join(file)).map_err(|e| {
@@ -144,7 +157,9 @@ pub fn with_files(scene: Scene, text: SceneText, folder: PathBuf) -> Result<Load
     };
     match SceneError::gathered(sense::faults(&scene, &text, &assets)) {
         Some(error) => Err(error),
-        None => Ok(Loaded { scene, assets, glasses, luminance, screen, text, folder, notes }),
+        None => {
+            Ok(Loaded { scene, assets, glasses, luminance, screen, emission, text, folder, notes })
+        }
     }
 }
 

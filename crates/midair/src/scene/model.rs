@@ -85,6 +85,8 @@ pub struct Display {
     pub size: Option<[f64; 2]>,
     /// Wavelengths in nm that stand for its red, green and blue.
     pub wavelengths: [f64; 3],
+    /// A CSV file of measured radiance over angles, relative to the scene file; `None`: alike in all directions.
+    pub emission: Option<PathBuf>,
     /// How its codes become light.
     pub response: ResponseSource,
     /// Light that it emits where it is to be dark, by R, G, B, as a share of its white; `None`: as its response was measured, else 0.

@@ -223,6 +223,7 @@ fn display(scene: &Fields<'_>) -> Option<Display> {
         size: fields.numbers("size"),
         wavelengths: fields.numbers("wavelengths")?,
         response,
+        emission: fields.text("emission").map(PathBuf::from),
         black: fields.colour("black"),
         bits: fields.integer("bits").and_then(|bits| bits.try_into().ok()),
     })

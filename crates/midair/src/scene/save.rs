@@ -56,6 +56,9 @@ fn write_scene(out: &mut String, scene: &Scene) -> std::fmt::Result {
             writeln!(out, "response = {}", text(&file.to_string_lossy()))?;
         }
     }
+    if let Some(file) = &scene.display.emission {
+        writeln!(out, "emission = {}", text(&file.to_string_lossy()))?;
+    }
     if let Some(black) = scene.display.black {
         writeln!(out, "black = {black:?}")?;
     }

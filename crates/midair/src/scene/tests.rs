@@ -59,6 +59,7 @@ fn a_scene_reads_as_it_is_written() {
             size: None,
             wavelengths: [611.0, 549.0, 465.0],
             response: ResponseSource::Srgb,
+            emission: None,
             black: None,
             bits: None,
         },
@@ -714,25 +715,25 @@ fn scene_strategy() -> impl Strategy<Value = Scene> {
             })
         },
     );
-    let display =
+    let display = (
+        (1..=32768usize, 1..=32768usize),
+        proptest::option::of(pose_strategy()),
+        proptest::option::of(numbers::<2>(1e-6..1e6)),
         (
-            (1..=32768usize, 1..=32768usize),
-            proptest::option::of(pose_strategy()),
-            proptest::option::of(numbers::<2>(1e-6..1e6)),
-            (
-                numbers::<3>(380.0..780.0),
-                prop_oneof![
-                    Just(ResponseSource::Srgb),
-                    (0.2..10.0).prop_map(ResponseSource::Gamma),
-                    Just(ResponseSource::File("bench.csv".into()))
-                ],
-                proptest::option::of(numbers::<3>(0.0..0.5)),
-                proptest::option::of(1..=16u32),
-            ),
-        )
-            .prop_map(|((w, h), pose, size, (wavelengths, response, black, bits))| {
-                Display { resolution: [w, h], pose, size, wavelengths, response, black, bits }
-            });
+            numbers::<3>(380.0..780.0),
+            prop_oneof![
+                Just(ResponseSource::Srgb),
+                (0.2..10.0).prop_map(ResponseSource::Gamma),
+                Just(ResponseSource::File("bench.csv".into()))
+            ],
+            proptest::option::of(numbers::<3>(0.0..0.5)),
+            proptest::option::of(1..=16u32),
+        ),
+    )
+        .prop_map(|((w, h), pose, size, (wavelengths, response, black, bits))| {
+            let emission = bits.map(|_| "angles.csv".into());
+            Display { resolution: [w, h], pose, size, wavelengths, response, emission, black, bits }
+        });
     (
         (any::<String>(), 1..=10_000usize, any::<bool>(), numbers::<3>(-1e6..1e6)),
         rectangle_strategy(),

@@ -48,7 +48,7 @@ impl Setup {
             })
             .collect::<Result<Vec<_>, _>>()?;
         rank(&mut elements, &scene.elements)?;
-        Ok(Self::around(scene, elements))
+        Ok(Self::around(scene, loaded, elements))
     }
 
     /// The set-ups of a scene for the display's red, green and blue, each at the wavelength that stands for it.
@@ -72,16 +72,17 @@ impl Setup {
         scene.elements.clear();
         scene.display.pose = None;
         scene.display.size = None;
-        Self::around(&scene, Vec::new())
+        Self::around(&scene, loaded, Vec::new())
     }
 
-    /// The scene's viewpoint, image, plate and display around these elements.
-    fn around(scene: &model::Scene, elements: Vec<Element>) -> Self {
+    /// The scene's viewpoint, image, plate and display around these elements; `loaded` has the display's files.
+    fn around(scene: &model::Scene, loaded: &Loaded, elements: Vec<Element>) -> Self {
         Self {
             viewpoint: Vec3::from_array(scene.viewpoint),
             image: scene.image.placed(),
             plate: scene.plate.rectangle.placed(),
             display: scene.display_rectangle(),
+            emission: loaded.emission.clone(),
             resolution: scene.display.resolution,
             elements,
             max_interactions: scene.max_interactions,
