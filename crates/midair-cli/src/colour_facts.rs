@@ -215,9 +215,7 @@ impl Colour {
     /// Writes the pictures.
     pub fn write(&self, output: &mut Output) -> Result<(), Failure> {
         let mut picture = |name: &str, picture: &Picture| -> Result<(), Failure> {
-            output
-                .write(name, |path| write_still(path, picture, Depth::Eight))
-                .map_err(Failure::from)
+            output.write(name, |path| write_still(path, picture, Depth::Eight))
         };
         picture("gain.png", &gain_picture(&self.evenness.gain))?;
         let [plain, even] = &self.evenness.views;

@@ -5,8 +5,11 @@
 //! warped by the processor: the kernels of `midair::media::Warp` take a few milliseconds for a full-HD frame, so that a machine
 //! without a graphics card can run the show.
 
+mod draw;
+mod keys;
 mod letters;
 mod nudge;
+mod options;
 mod show;
 mod solver;
 mod source;
@@ -15,8 +18,9 @@ mod tracker;
 mod trial;
 
 pub use nudge::{Nudge, Target};
-pub use show::{Options, PlayError, run};
+pub use options::{Options, PlayError};
+pub use show::run;
 pub use source::SourceKind;
 pub use steady::{OneEuro, Steady};
 pub use tracker::{Calibration, Protocol, Reading, parse_opentrack, parse_osc};
-pub use trial::{Latency, Trial};
+pub use trial::{Latency, Stages, Trial};

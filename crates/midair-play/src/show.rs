@@ -1,89 +1,26 @@
 //! The window and what happens in it.
 
-use crate::letters::overlay;
-use crate::nudge::{Nudge, Target};
+use crate::draw::Screen;
+use crate::nudge::Target;
+use crate::options::{Options, PlayError};
 use crate::solver::{self, Newest, Request, Solved};
-use crate::source::{Frame, Player, SourceKind};
-use crate::steady::{OneEuro, Steady};
+use crate::source::{Frame, Player};
+use crate::steady::Steady;
 use crate::tracker::{Calibration, Protocol, Reading, listen};
-use crate::trial::{Departures, Latency, Trial, latency, send};
+use crate::trial::{Departures, Latency, Stages, latency, send};
 use midair::geometry::Vec3;
-use midair::map::format::write_bytes_atomically;
-use midair::scene::{Loaded, to_toml};
+use midair::media::Warp;
+use midair::scene::Loaded;
 use std::collections::VecDeque;
-use std::num::NonZeroU32;
 use std::path::PathBuf;
-use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 use winit::application::ApplicationHandler;
-use winit::dpi::PhysicalSize;
 use winit::event::{ElementState, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
-use winit::keyboard::{Key, ModifiersState, NamedKey};
-use winit::window::{Fullscreen, Window, WindowId};
-
-/// How the show is run.
-#[derive(Clone, Debug)]
-pub struct Options {
-    /// What is shown.
-    pub source: SourceKind,
-    /// Pixels of the window; `None`: the display's.
-    pub size: Option<[usize; 2]>,
-    /// Whether the window fills its screen.
-    pub fullscreen: bool,
-    /// Which screen, from 0; `None`: the system's choice.
-    pub screen: Option<usize>,
-    /// Who tells where the viewer is, and on which port.
-    pub tracker: Option<(Protocol, u16)>,
-    /// From the tracker's frame to the scene's.
-    pub calibration: Calibration,
-    /// Smoothing; `None`: none.
-    pub smoothing: Option<OneEuro>,
-    /// How far ahead the viewer is looked for, s; `None`: the measured latency.
-    pub predict: Option<f64>,
-    /// Whether figures are shown from the beginning.
-    pub overlay: bool,
-    /// Where a nudged scene is saved.
-    pub save_to: PathBuf,
-    /// The show ends by itself.
-    pub end_after: Option<Duration>,
-    /// Latency is measured with a synthetic tracker, and the show ends with it.
-    pub trial: Option<Trial>,
-}
-
-/// Why there is no show.
-#[derive(Debug, thiserror::Error)]
-pub enum PlayError {
-    /// No window can be opened.
-    #[error(
-        "no window can be opened: {0}; a screen is needed (on a machine without one, xvfb-run gives a virtual one)"
-    )]
-    Window(String),
-    /// The tracker's port cannot be had.
-    #[error("port {port}: {source}; choose another, or end the program that has it")]
-    Port {
-        /// The port.
-        port: u16,
-        /// The operating system's word.
-        source: std::io::Error,
-    },
-    /// The source has no frames.
-    #[error("{0}")]
-    Source(String),
-    /// The scene cannot be solved.
-    #[error("{0}")]
-    Solve(String),
-    /// There is no such screen.
-    #[error("there is no screen {asked}; there are {there}, counted from 0")]
-    Screen {
-        /// The one asked for.
-        asked: usize,
-        /// How many there are.
-        there: usize,
-    },
-}
+use winit::keyboard::ModifiersState;
+use winit::window::WindowId;
 
 /// What other threads tell the window.
 #[derive(Debug)]
@@ -109,11 +46,13 @@ pub fn run(loaded: Loaded, options: Options) -> Result<(Option<Latency>, Vec<Pat
         // Nobody listens any more once the show has ended.
         move |event| drop(proxy.send_event(event))
     };
-    let (requests, solved) = (Arc::new(Newest::new()), Arc::new(Newest::new()));
+    let (requests, solved, spent) =
+        (Arc::new(Newest::new()), Arc::new(Newest::new()), Arc::new(Newest::new()));
     let (ready, refused) = (tell(&proxy), tell(&proxy));
     solver::start(
         Arc::clone(&requests),
         Arc::clone(&solved),
+        Arc::clone(&spent),
         move || ready(Event::Map),
         move |why| refused(Event::SolveFailed(why)),
     );
@@ -159,6 +98,7 @@ pub fn run(loaded: Loaded, options: Options) -> Result<(Option<Latency>, Vec<Pat
         options,
         requests: Arc::clone(&requests),
         solved,
+        spent,
         frames,
         paused,
         screen: None,
@@ -174,8 +114,7 @@ pub fn run(loaded: Loaded, options: Options) -> Result<(Option<Latency>, Vec<Pat
         presented: VecDeque::new(),
         delay: None,
         departures: None,
-        latencies: Vec::new(),
-        solves: Vec::new(),
+        shown: Vec::new(),
         message: None,
         saved: Vec::new(),
         failure: None,
@@ -188,85 +127,52 @@ pub fn run(loaded: Loaded, options: Options) -> Result<(Option<Latency>, Vec<Pat
         return Err(failure);
     }
     let sent = show.options.trial.map_or(0, |trial| trial.packets);
-    Ok((latency(sent, show.latencies, show.solves), show.saved))
+    Ok((latency(sent, &show.shown), show.saved))
 }
 
-/// The window and its pixels.
-struct Screen {
-    window: Rc<Window>,
-    surface: softbuffer::Surface<Rc<Window>, Rc<Window>>,
-}
-
-struct Show {
-    options: Options,
+pub(crate) struct Show {
+    pub options: Options,
     proxy: EventLoopProxy<Event>,
     port: Option<u16>,
-    loaded: Arc<Loaded>,
+    pub loaded: Arc<Loaded>,
     requests: Arc<Newest<Request>>,
     solved: Arc<Newest<Solved>>,
-    frames: Arc<Newest<Frame>>,
-    paused: Arc<AtomicBool>,
-    screen: Option<Screen>,
-    map: Option<Solved>,
-    frame: Option<Frame>,
-    lattice: Frame,
-    show_lattice: bool,
-    show_overlay: bool,
-    uncompensated: bool,
-    calibration: Calibration,
+    /// Warps that were shown, for the solver to use their memory again.
+    spent: Arc<Newest<Warp>>,
+    pub frames: Arc<Newest<Frame>>,
+    pub paused: Arc<AtomicBool>,
+    pub screen: Option<Screen>,
+    pub map: Option<Solved>,
+    pub frame: Option<Frame>,
+    pub lattice: Frame,
+    pub show_lattice: bool,
+    pub show_overlay: bool,
+    pub uncompensated: bool,
+    pub calibration: Calibration,
     /// The viewer as the tracker last told: the reading, and the viewpoint that was made of it.
-    tracked: Option<(Reading, Vec3)>,
-    steady: Steady,
-    target: Target,
-    modifiers: ModifiersState,
+    pub tracked: Option<(Reading, Vec3)>,
+    pub steady: Steady,
+    pub target: Target,
+    pub modifiers: ModifiersState,
     /// When the last frames were presented.
-    presented: VecDeque<Instant>,
+    pub presented: VecDeque<Instant>,
     /// Seconds from a packet's arrival to its presentation, averaged.
-    delay: Option<f64>,
-    departures: Option<Departures>,
-    latencies: Vec<f64>,
-    solves: Vec<f64>,
-    message: Option<(String, Instant)>,
-    saved: Vec<PathBuf>,
-    failure: Option<PlayError>,
+    pub delay: Option<f64>,
+    pub departures: Option<Departures>,
+    /// The stages of each viewpoint of a trial that was shown.
+    pub shown: Vec<Stages>,
+    pub message: Option<(String, Instant)>,
+    pub saved: Vec<PathBuf>,
+    pub failure: Option<PlayError>,
 }
 
 impl Show {
-    fn open(&self, events: &ActiveEventLoop) -> Result<Screen, PlayError> {
-        let wrong = |error: &dyn std::fmt::Display| PlayError::Window(error.to_string());
-        let [width, height] = self.options.size.unwrap_or(self.loaded.scene.display.resolution);
-        let mut attributes = Window::default_attributes()
-            .with_title(format!("midair: {}", self.loaded.scene.name))
-            .with_inner_size(PhysicalSize::new(width as u32, height as u32));
-        let monitors: Vec<_> = events.available_monitors().collect();
-        let monitor = match self.options.screen {
-            None => None,
-            Some(asked) => match monitors.get(asked) {
-                Some(monitor) => Some(monitor.clone()),
-                None => return Err(PlayError::Screen { asked, there: monitors.len() }),
-            },
-        };
-        if let Some(monitor) = &monitor {
-            attributes = attributes.with_position(monitor.position());
-        }
-        if self.options.fullscreen {
-            attributes = attributes.with_fullscreen(Some(Fullscreen::Borderless(monitor)));
-        }
-        let window = Rc::new(events.create_window(attributes).map_err(|error| wrong(&error))?);
-        window.set_cursor_visible(!self.options.fullscreen);
-        let context =
-            softbuffer::Context::new(Rc::clone(&window)).map_err(|error| wrong(&error))?;
-        let surface = softbuffer::Surface::new(&context, Rc::clone(&window))
-            .map_err(|error| wrong(&error))?;
-        Ok(Screen { window, surface })
-    }
-
-    fn shown_frame(&self) -> Option<&Frame> {
+    pub fn shown_frame(&self) -> Option<&Frame> {
         if self.show_lattice { Some(&self.lattice) } else { self.frame.as_ref() }
     }
 
     /// Asks for the map of what is now.
-    fn ask(&self, packet: Option<(u64, Instant)>) {
+    pub fn ask(&self, packet: Option<(u64, Instant)>) {
         let (Some(screen), Some(frame)) = (&self.screen, self.shown_frame()) else { return };
         let size = screen.window.inner_size();
         if size.width == 0 || size.height == 0 {
@@ -282,91 +188,7 @@ impl Show {
         });
     }
 
-    /// Warps the newest frame by the newest map, and presents it.
-    fn draw(&mut self) {
-        let lines = if self.show_overlay { self.figures() } else { Vec::new() };
-        let Some(frame) = self.shown_frame().cloned() else { return };
-        let (Some(map), Some(screen)) = (&self.map, &mut self.screen) else { return };
-        let size = screen.window.inner_size();
-        let (Some(width), Some(height)) =
-            (NonZeroU32::new(size.width), NonZeroU32::new(size.height))
-        else {
-            return;
-        };
-        // A map for another window or source is on its way to be replaced.
-        if map.warp.size() != [size.width as usize, size.height as usize]
-            || map.source != frame.size
-        {
-            return;
-        }
-        let resized = screen.surface.resize(width, height);
-        let Ok(mut buffer) = resized.and_then(|()| screen.surface.buffer_mut()) else { return };
-        let pixels: &mut [u32] = &mut buffer;
-        // Frames are blue, green, red, nothing: on a little-endian machine the buffer's own form.
-        if map.warp.apply(&frame.bytes, 4, bytemuck::cast_slice_mut(pixels)).is_err() {
-            return;
-        }
-        if cfg!(target_endian = "big") {
-            pixels.iter_mut().for_each(|pixel| *pixel = pixel.swap_bytes());
-        }
-        overlay(pixels, size.width as usize, &lines);
-        screen.window.pre_present_notify();
-        if buffer.present().is_err() {
-            return;
-        }
-        let now = Instant::now();
-        self.presented.push_back(now);
-        while self.presented.len() > 60 {
-            self.presented.pop_front();
-        }
-        // A viewpoint counts once, when it is first seen.
-        if let Some(map) = &mut self.map
-            && let Some((number, came)) = map.packet.take()
-        {
-            let delay = now.duration_since(came).as_secs_f64();
-            self.delay = Some(self.delay.map_or(delay, |known| 0.9 * known + 0.1 * delay));
-            if let Some(left) =
-                self.departures.as_ref().and_then(|departures| departures.of(number))
-            {
-                self.latencies.push(1e3 * now.duration_since(left).as_secs_f64());
-                self.solves.push(1e3 * map.seconds);
-            }
-        }
-    }
-
-    fn figures(&self) -> Vec<String> {
-        let rate = match (self.presented.front(), self.presented.back()) {
-            (Some(first), Some(last)) if last > first => {
-                (self.presented.len() - 1) as f64 / last.duration_since(*first).as_secs_f64()
-            }
-            _ => 0.0,
-        };
-        let mut lines = vec![format!(
-            "{rate:.0} frames/s   map {:.1} ms",
-            self.map.as_ref().map_or(0.0, |map| 1e3 * map.seconds)
-        )];
-        if let Some(map) = &self.map {
-            let (eye, followed) =
-                (map.viewpoint, if self.tracked.is_some() { " (followed)" } else { "" });
-            lines.push(format!("eye {:.1} {:.1} {:.1} mm{followed}", eye.x, eye.y, eye.z));
-        }
-        if let Some(delay) = self.delay {
-            lines.push(format!("packet to screen {:.1} ms", 1e3 * delay));
-        }
-        lines.push(format!("nudging: {}", self.target.name(&self.loaded)));
-        if self.uncompensated {
-            lines.push("uncompensated".to_owned());
-        }
-        lines.extend(
-            self.message
-                .as_ref()
-                .filter(|(_, time)| time.elapsed().as_secs() < 5)
-                .map(|(text, _)| text.clone()),
-        );
-        lines
-    }
-
-    fn say(&mut self, text: String) {
+    pub fn say(&mut self, text: String) {
         self.message = Some((text, Instant::now()));
     }
 
@@ -376,94 +198,6 @@ impl Show {
         let eye = self.steady.follow(time, measured, ahead);
         self.tracked = Some((reading, eye));
         self.ask(Some((reading.angles[0].max(0.0) as u64, time)));
-    }
-
-    fn key(&mut self, key: &Key, events: &ActiveEventLoop) {
-        let step = if self.modifiers.shift_key() { 1.0 } else { 0.1 };
-        let turn = self.modifiers.control_key();
-        // Along x and y the arrows move what they point to; a turn by an arrow moves the front that way.
-        let nudge = |axis: usize, sign: f64| Some(Nudge { axis, by: sign * step, turn });
-        let nudge = match (key, turn) {
-            (Key::Named(NamedKey::ArrowRight), false) => nudge(0, 1.0),
-            (Key::Named(NamedKey::ArrowLeft), false) => nudge(0, -1.0),
-            (Key::Named(NamedKey::ArrowUp), false) => nudge(1, 1.0),
-            (Key::Named(NamedKey::ArrowDown), false) => nudge(1, -1.0),
-            (Key::Named(NamedKey::ArrowRight), true) => nudge(1, 1.0),
-            (Key::Named(NamedKey::ArrowLeft), true) => nudge(1, -1.0),
-            (Key::Named(NamedKey::ArrowUp), true) => nudge(0, -1.0),
-            (Key::Named(NamedKey::ArrowDown), true) => nudge(0, 1.0),
-            (Key::Named(NamedKey::PageUp), _) => nudge(2, 1.0),
-            (Key::Named(NamedKey::PageDown), _) => nudge(2, -1.0),
-            _ => None,
-        };
-        if let Some(nudge) = nudge {
-            let mut moved = (*self.loaded).clone();
-            nudge.apply(&mut moved, self.target);
-            self.loaded = Arc::new(moved);
-            return self.ask(None);
-        }
-        match key {
-            Key::Named(NamedKey::Escape) => events.exit(),
-            Key::Named(NamedKey::Space) => drop(self.paused.fetch_xor(true, Ordering::Relaxed)),
-            Key::Named(NamedKey::Tab) => {
-                self.target = self.target.next(self.loaded.scene.elements.len());
-                self.draw();
-            }
-            Key::Character(character) => match character.to_lowercase().as_str() {
-                "q" => events.exit(),
-                "l" => {
-                    self.show_lattice = !self.show_lattice;
-                    self.ask(None);
-                }
-                "u" => {
-                    self.uncompensated = !self.uncompensated;
-                    self.ask(None);
-                }
-                "o" => {
-                    self.show_overlay = !self.show_overlay;
-                    self.draw();
-                }
-                "f" => {
-                    if let Some(screen) = &self.screen {
-                        let full = screen.window.fullscreen().is_some();
-                        screen
-                            .window
-                            .set_fullscreen((!full).then_some(Fullscreen::Borderless(None)));
-                        screen.window.set_cursor_visible(full);
-                    }
-                }
-                "c" => self.calibrate(),
-                "s" => self.save(),
-                _ => {}
-            },
-            _ => {}
-        }
-    }
-
-    /// Takes the viewer to be at the scene's viewpoint now.
-    fn calibrate(&mut self) {
-        if let Some((reading, _)) = self.tracked {
-            let viewpoint = Vec3::from_array(self.loaded.scene.viewpoint);
-            self.calibration = self.calibration.taking(&reading, viewpoint);
-            self.steady = Steady::new(self.options.smoothing);
-            self.tracked = Some((reading, viewpoint));
-            self.ask(None);
-            self.say("the tracker's present reading is the scene's viewpoint".to_owned());
-        }
-    }
-
-    fn save(&mut self) {
-        let path = self.options.save_to.clone();
-        match write_bytes_atomically(&path, to_toml(&self.loaded.scene).as_bytes()) {
-            Ok(()) => {
-                self.say(format!("saved {}", path.display()));
-                if !self.saved.contains(&path) {
-                    self.saved.push(path);
-                }
-            }
-            Err(error) => self.say(error.to_string()),
-        }
-        self.draw();
     }
 
     fn fail(&mut self, failure: PlayError, events: &ActiveEventLoop) {
@@ -501,8 +235,10 @@ impl ApplicationHandler<Event> for Show {
         match event {
             Event::Map => {
                 let first = self.map.is_none();
-                if let Some(solved) = self.solved.take() {
-                    self.map = Some(solved);
+                if let Some(solved) = self.solved.take()
+                    && let Some(before) = self.map.replace(solved)
+                {
+                    self.spent.put(before.warp);
                 }
                 self.draw();
                 // A trial begins when the show does.

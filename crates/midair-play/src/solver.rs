@@ -2,7 +2,7 @@
 
 use midair::evaluate::proof::uncompensated_map;
 use midair::geometry::Vec3;
-use midair::map::{Accuracy, Map, invert_into};
+use midair::map::{Accuracy, Inverse};
 use midair::media::{Filter, Warp};
 use midair::scene::Loaded;
 use midair::transport::Setup;
@@ -49,10 +49,11 @@ impl<T> Newest<T> {
         Self { slot: Mutex::new((None, false)), bell: Condvar::new() }
     }
 
-    /// Puts a thing in the place of what was there.
-    pub fn put(&self, thing: T) {
-        self.slot.lock().unwrap_or_else(PoisonError::into_inner).0 = Some(thing);
+    /// Puts a thing in the place of what was there, which is given back.
+    pub fn put(&self, thing: T) -> Option<T> {
+        let before = self.slot.lock().unwrap_or_else(PoisonError::into_inner).0.replace(thing);
         self.bell.notify_one();
+        before
     }
 
     /// Takes the thing, if there is one.
@@ -82,15 +83,16 @@ impl<T> Newest<T> {
 }
 
 /// Solves whatever is newest until the requests are closed. `ready` is called after each map; `refused` with what cannot be solved.
+/// Warps that are no longer shown come back by `spent`: their memory is used again.
 pub(crate) fn start(
     requests: Arc<Newest<Request>>,
     solved: Arc<Newest<Solved>>,
+    spent: Arc<Newest<Warp>>,
     ready: impl Fn() + Send + 'static,
     refused: impl Fn(String) + Send + 'static,
 ) {
     std::thread::spawn(move || {
         let mut known: Option<(Arc<Loaded>, Setup)> = None;
-        let mut map = Map::unanswered(1, 1);
         while let Some(request) = requests.wait() {
             let start = Instant::now();
             let same =
@@ -108,21 +110,15 @@ pub(crate) fn start(
             setup.resolution = request.resolution;
             setup.viewpoint =
                 request.viewpoint.unwrap_or_else(|| Vec3::from_array(loaded.scene.viewpoint));
-            if request.uncompensated {
-                map = uncompensated_map(loaded, setup);
+            let warp = if request.uncompensated {
+                Warp::new(&uncompensated_map(loaded, setup), request.source, Filter::Bilinear)
             } else {
-                let [width, height] = request.resolution;
-                if (map.width, map.height) != (width, height) {
-                    map = Map::unanswered(width, height);
-                }
-                invert_into(setup, Accuracy { tolerance: LIVE_TOLERANCE }, &mut map);
-            }
-            debug_assert!(
-                map.status.iter().zip(&map.uv).all(|(s, uv)| uv[0].is_finite() == s.is_answered())
-            );
-            match Warp::new(&map, request.source, Filter::Bilinear) {
+                let inverse = Inverse::new(setup, Accuracy { tolerance: LIVE_TOLERANCE });
+                Warp::of_inverse(&inverse, request.source, spent.take())
+            };
+            match warp {
                 Ok(warp) => {
-                    solved.put(Solved {
+                    let overtaken = solved.put(Solved {
                         warp,
                         source: request.source,
                         viewpoint: setup.viewpoint,
@@ -130,6 +126,9 @@ pub(crate) fn start(
                         seconds: start.elapsed().as_secs_f64(),
                     });
                     ready();
+                    if let Some(overtaken) = overtaken {
+                        spent.put(overtaken.warp);
+                    }
                 }
                 Err(error) => refused(error.to_string()),
             }
@@ -147,8 +146,7 @@ mod tests {
     #[test]
     fn the_newest_wins_and_closing_ends_the_wait() {
         let newest = Newest::new();
-        newest.put(1);
-        newest.put(2);
+        assert_eq!((newest.put(1), newest.put(2)), (None, Some(1)));
         assert_eq!((newest.wait(), newest.take()), (Some(2), None));
         newest.close();
         assert_eq!(newest.wait(), None);

@@ -26,8 +26,21 @@ pub struct Latency {
     pub percentile_99: f64,
     /// The longest.
     pub max: f64,
-    /// Median time for map and weights alone.
-    pub solve_median: f64,
+    /// Medians of what this is made of, each by itself.
+    pub stages: Stages,
+}
+
+/// Where the time went between a packet and its frame, ms.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stages {
+    /// From the packet's sending to the end of the frame's presentation: all of it, with what the stages wait for one another.
+    pub whole: f64,
+    /// Map and weights.
+    pub solve: f64,
+    /// Warping the frame into the window's memory.
+    pub draw: f64,
+    /// Handing it to the window system.
+    pub present: f64,
 }
 
 /// When each packet left.
@@ -72,20 +85,25 @@ pub(crate) fn send(
 }
 
 /// The figures of a trial; `None` if nothing was shown.
-pub(crate) fn latency(sent: usize, mut shown: Vec<f64>, mut solves: Vec<f64>) -> Option<Latency> {
-    shown.sort_by(f64::total_cmp);
-    solves.sort_by(f64::total_cmp);
-    let at = |sorted: &[f64], share: f64| {
+pub(crate) fn latency(sent: usize, shown: &[Stages]) -> Option<Latency> {
+    let at = |stage: fn(&Stages) -> f64, share: f64| {
+        let mut sorted: Vec<f64> = shown.iter().map(stage).collect();
+        sorted.sort_by(f64::total_cmp);
         let rank = (share * sorted.len() as f64).ceil() as usize;
         sorted.get(rank.saturating_sub(1)).copied()
     };
     Some(Latency {
         sent,
         shown: shown.len(),
-        median: at(&shown, 0.5)?,
-        percentile_99: at(&shown, 0.99)?,
-        max: *shown.last()?,
-        solve_median: at(&solves, 0.5)?,
+        median: at(|s| s.whole, 0.5)?,
+        percentile_99: at(|s| s.whole, 0.99)?,
+        max: at(|s| s.whole, 1.0)?,
+        stages: Stages {
+            whole: at(|s| s.whole, 0.5)?,
+            solve: at(|s| s.solve, 0.5)?,
+            draw: at(|s| s.draw, 0.5)?,
+            present: at(|s| s.present, 0.5)?,
+        },
     })
 }
 
@@ -95,13 +113,13 @@ mod tests {
 
     #[test]
     fn percentiles_are_by_the_nearest_rank() {
-        let shown: Vec<f64> = (1..=200).rev().map(f64::from).collect();
-        let told = latency(210, shown, vec![3.0, 1.0, 2.0]).unwrap();
-        assert_eq!(
-            (told.median, told.percentile_99, told.max, told.solve_median),
-            (100.0, 198.0, 200.0, 2.0)
-        );
+        let stages = |whole: f64| Stages { whole, solve: whole % 3.0, draw: 7.0, present: -whole };
+        let shown: Vec<Stages> = (1..=200).rev().map(f64::from).map(stages).collect();
+        let told = latency(210, &shown).unwrap();
+        assert_eq!((told.median, told.percentile_99, told.max), (100.0, 198.0, 200.0));
+        // Each by itself: the ones of rest 0 are the smallest third.
+        assert_eq!(told.stages, Stages { whole: 100.0, solve: 1.0, draw: 7.0, present: -101.0 });
         assert_eq!((told.sent, told.shown), (210, 200));
-        assert!(latency(3, vec![], vec![]).is_none());
+        assert!(latency(3, &[]).is_none());
     }
 }

@@ -16,3 +16,8 @@ pub mod optics;
 pub mod scene;
 pub mod simulate;
 pub mod transport;
+
+/// The README's example is compiled as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -3,7 +3,7 @@
 use super::{Outcome, set_ups};
 use midair::map::{Accuracy, Map, Status, invert, invert_into, pixel_centre, splat};
 use midair::media::display_image;
-use midair::media::optimal::{Weighting, optimal_display};
+use midair::media::optimal::{ViewSamples, Weighting, optimal_display};
 use midair::optics::plate::SlitMirror;
 use midair::scene::model::PlateModel;
 use midair::simulate::{Camera, Plate, Settings, Viewer, Watch, render};
@@ -159,9 +159,11 @@ fn pictures(rows: &mut Vec<Row>, [_, some, few]: [usize; 3]) {
             let (map, _) = invert(&setup, Accuracy::default());
             let picture = set_ups::picture(size);
             let plain = display_image(&picture, &map);
-            let samples = Camera::at_viewpoint(&setup, [size; 2]).samples(&setup, &|_| {});
+            let camera = Camera::at_viewpoint(&setup, [size; 2]);
             Ok(Box::new(move || {
-                let best = optimal_display(&samples, &picture, &plain, Weighting::Encoded)?;
+                let rays = camera.rays(&setup);
+                let (target, initial) = (picture.clone(), plain.clone());
+                let best = optimal_display(&rays, target, initial, Weighting::Encoded)?;
                 Ok(Done { remark: format!("{} steps", best.steps), time: None })
             }))
         }));
@@ -170,7 +172,7 @@ fn pictures(rows: &mut Vec<Row>, [_, some, few]: [usize; 3]) {
         let setup = set_ups::scene("paper/sphere.toml")?;
         let camera = Camera::at_viewpoint(&setup, [1024; 2]);
         Ok(Box::new(move || {
-            std::hint::black_box(camera.samples(&setup, &|_| {}));
+            std::hint::black_box(ViewSamples::of(&camera.rays(&setup), &|_| {}));
             Ok(Done::default())
         }))
     }));

@@ -132,7 +132,8 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         "size": size,
         "saved": paths(&saved),
         "latency_ms": latency.map(|l| json!({
-            "sent": l.sent, "shown": l.shown, "median": l.median, "percentile_99": l.percentile_99, "max": l.max, "map_median": l.solve_median,
+            "sent": l.sent, "shown": l.shown, "median": l.median, "percentile_99": l.percentile_99, "max": l.max,
+            "map_median": l.stages.solve, "draw_median": l.stages.draw, "present_median": l.stages.present,
         })),
     });
     voice.tell(&lines, &report)
@@ -141,8 +142,15 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
 fn told(name: &str, [width, height]: [usize; 2], l: &Latency) -> String {
     format!(
         "{name}: {width} x {height}, from packet to screen: median {:.1} ms, 99th percentile {:.1} ms, longest {:.1} ms\n\
-         {} of {} viewpoints shown, the others overtaken; map and weights take {:.1} ms\n",
-        l.median, l.percentile_99, l.max, l.shown, l.sent, l.solve_median
+         {} of {} viewpoints shown, the others overtaken; map and weights take {:.1} ms, drawing {:.1} ms, the window system {:.1} ms (medians)\n",
+        l.median,
+        l.percentile_99,
+        l.max,
+        l.shown,
+        l.sent,
+        l.stages.solve,
+        l.stages.draw,
+        l.stages.present
     )
 }
 

@@ -7,8 +7,8 @@ use super::lattice::{Displacement, LatticeStyle, detect, displacement, draw_latt
 use super::proof::displacement::interpolated;
 use super::proof::{ProofError, Watch};
 use crate::geometry::Vec3;
-use crate::map::{Accuracy, Map, invert};
-use crate::media::optimal::view_through;
+use crate::map::{Accuracy, Map, invert, with_rim};
+use crate::media::optimal::{ViewSamples, view_through};
 use crate::media::{Picture, display_image};
 use crate::simulate::Camera;
 use crate::transport::{Path, Setup};
@@ -74,7 +74,7 @@ pub fn orbit(
     let drawn = draw_lattice(columns, rows, &settings.lattice)?;
     let (fixed, _) = invert(setup, Accuracy::default());
     let shown = picture.unwrap_or(&drawn);
-    let fixed_display = display_image(shown, &fixed);
+    let fixed_display = display_image(shown, &with_rim(&fixed));
     let mut stations = Vec::with_capacity(azimuths.len());
     for &azimuth in azimuths {
         let eye = eye_at(setup, azimuth);
@@ -86,7 +86,7 @@ pub fn orbit(
             window: settings.window,
             supersampling: settings.supersampling,
         };
-        let samples = camera.samples(setup, &|_| {});
+        let samples = ViewSamples::of(&camera.rays(setup), &|_| {});
         // What is displaced beyond the image's edge is seen in the window around it.
         let mut wide = there.clone();
         wide.image.size = wide.image.size.map(|side| side * settings.window);
@@ -100,7 +100,7 @@ pub fn orbit(
             azimuth,
             eye,
             fixed: seen(&fixed_display, setup)?,
-            tracked: seen(&display_image(shown, &tracked), &there)?,
+            tracked: seen(&display_image(shown, &with_rim(&tracked)), &there)?,
         });
         watch.advance(1);
     }

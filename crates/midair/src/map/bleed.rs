@@ -1,6 +1,6 @@
 //! A map that goes on a little beyond the region that it covers.
 
-use super::Map;
+use super::{Gain, Map};
 
 /// The map with `rings` pixels of extrapolated uv around the covered region: tools that interpolate between
 /// the map's pixels then show no jagged or dark edge. The statuses stay as they are, so that coverage is kept
@@ -71,6 +71,37 @@ pub fn bleed(map: &Map, rings: usize) -> Map {
     bled
 }
 
+/// The map to colour a display through: one ring wider than its answers. Between the outermost answered pixel's centre and the next one's
+/// the display shows a mean of both, so an image would end in a dark rim, half a pixel wide, if the next one stayed black.
+pub fn with_rim(map: &Map) -> Map {
+    bleed(map, 1)
+}
+
+impl Gain {
+    /// The gain for a display coloured through [`with_rim`]: in the ring around what is known it is the mean of the known neighbours.
+    pub fn with_rim(&self) -> Self {
+        let known = |rgb: &[f32; 3]| rgb.iter().all(|value| value.is_finite());
+        let mut wider = self.clone();
+        for (index, rgb) in wider.rgb.iter_mut().enumerate().filter(|(_, rgb)| !known(rgb)) {
+            let (column, row) = (index % self.width, index / self.width);
+            let (mut sum, mut count) = ([0.0; 3], 0.0);
+            for y in row.saturating_sub(1)..self.height.min(row + 2) {
+                for x in column.saturating_sub(1)..self.width.min(column + 2) {
+                    let near = &self.rgb[y * self.width + x];
+                    if known(near) {
+                        (0..3).for_each(|c| sum[c] += near[c]);
+                        count += 1.0;
+                    }
+                }
+            }
+            if count > 0.0 {
+                *rgb = sum.map(|total| total / count);
+            }
+        }
+        wider
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -132,5 +163,17 @@ mod tests {
         map.uv[12] = [0.25, 0.75];
         assert!(bleed(&map, 2).uv.iter().all(|uv| *uv == [0.25, 0.75]));
         assert!(bleed(&Map::identity(0, 0), 2).uv.is_empty());
+    }
+
+    #[test]
+    fn a_gain_is_continued_by_one_ring() {
+        let nan = [f32::NAN; 3];
+        let rgb = vec![nan, [0.5, 0.25, 1.0], [0.25, 0.25, 0.5], nan, nan];
+        let wider = Gain { width: 5, height: 1, rgb }.with_rim();
+        assert_eq!(
+            wider.rgb[..4],
+            [[0.5, 0.25, 1.0], [0.5, 0.25, 1.0], [0.25, 0.25, 0.5], [0.25, 0.25, 0.5]]
+        );
+        assert!(wider.rgb[4].iter().all(|value| value.is_nan()));
     }
 }

@@ -9,10 +9,10 @@ mod model;
 mod reverse;
 mod splat;
 
-pub use bleed::bleed;
+pub use bleed::{bleed, with_rim};
 pub use formation::{Formation, ImagePoint, formation};
 pub use forward::forward;
-pub use invert::{Accuracy, Effort, invert, invert_into};
+pub use invert::{Accuracy, Effort, Inverse, RowScratch, invert, invert_into};
 pub use model::{Gain, Map, Status, pixel_at, pixel_centre};
 pub use reverse::reversed;
 pub use splat::{Splat, splat};

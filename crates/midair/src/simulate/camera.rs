@@ -1,9 +1,9 @@
 //! Where the viewer looks from, and what part of space the view shows.
 
 use crate::geometry::{Ray, Vec3};
-use crate::media::optimal::ViewSamples;
+use crate::media::optimal::ViewRays;
 use crate::transport::{Path, Setup};
-use rayon::prelude::*;
+use std::ops::Range;
 
 /// A pinhole that looks at the image: its picture is what would be seen in the image's plane, so that a
 /// view pixel is an image point whatever the eye's position, and views from everywhere compare pixel by pixel.
@@ -46,26 +46,52 @@ impl Camera {
         setup.ray_from(self.eye, self.image_point(column, row))
     }
 
-    /// Where the rays through all view pixels end on the display.
-    ///
-    /// `progress` is called with the number of rows that are done.
-    pub fn samples(&self, setup: &Setup, progress: &(dyn Fn(usize) + Sync)) -> ViewSamples {
-        let [width, height] = self.size;
+    /// The rays through the view's pixels, as they go in a set-up.
+    pub fn rays<'a>(&'a self, setup: &'a Setup) -> Sight<'a> {
+        Sight { camera: self, setup }
+    }
+
+    /// The position in the view of a ray: the `sub`th of a pixel.
+    fn position(&self, pixel: usize, sub: usize) -> [f64; 2] {
         let n = self.supersampling;
-        let mut st = vec![[f64::NAN; 2]; width * height * n * n];
-        st.par_chunks_mut(width * n * n).enumerate().for_each(|(row, line)| {
-            let mut path = Path::new();
-            for (index, st) in line.iter_mut().enumerate() {
-                let (column, sub) = (index / (n * n), index % (n * n));
-                let offset = |k: usize| (k as f64 + 0.5) / n as f64;
-                let x = column as f64 + offset(sub % n);
-                let y = row as f64 + offset(sub / n);
-                if let Some(at) = setup.trace(self.ray(setup, x, y), &mut path).formed() {
-                    *st = at;
-                }
+        let offset = |k: usize| (k as f64 + 0.5) / n as f64;
+        let (column, row) = (pixel % self.size[0], pixel / self.size[0]);
+        [column as f64 + offset(sub % n), row as f64 + offset(sub / n)]
+    }
+}
+
+/// A camera's rays through a set-up.
+#[derive(Clone, Copy, Debug)]
+pub struct Sight<'a> {
+    camera: &'a Camera,
+    setup: &'a Setup,
+}
+
+impl Sight<'_> {
+    /// The image point uv that a ray looks at: the `sub`th of those through a pixel (row by row from the top left).
+    pub fn image_point(&self, pixel: usize, sub: usize) -> [f64; 2] {
+        let [column, row] = self.camera.position(pixel, sub);
+        self.camera.image_point(column, row)
+    }
+}
+
+impl ViewRays for Sight<'_> {
+    fn size(&self) -> [usize; 2] {
+        self.camera.size
+    }
+
+    fn rays_per_pixel(&self) -> usize {
+        self.camera.supersampling.pow(2)
+    }
+
+    fn ends(&self, pixels: Range<usize>, ends: &mut [[f64; 2]]) {
+        let mut path = Path::new();
+        for (pixel, ends) in pixels.zip(ends.chunks_exact_mut(self.rays_per_pixel())) {
+            for (sub, end) in ends.iter_mut().enumerate() {
+                let [column, row] = self.camera.position(pixel, sub);
+                let ray = self.camera.ray(self.setup, column, row);
+                *end = self.setup.trace(ray, &mut path).formed().unwrap_or([f64::NAN; 2]);
             }
-            progress(1);
-        });
-        ViewSamples { width, height, samples_per_pixel: n * n, st }
+        }
     }
 }

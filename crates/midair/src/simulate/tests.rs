@@ -173,7 +173,7 @@ fn an_ideal_plate_shows_a_dot_where_the_transport_does() {
         let got = shoot(&setup, &Plate::Ideal, &display, &viewer, 64);
         let mut camera = viewer.camera;
         camera.supersampling = 8;
-        let ideal = view_through(&camera.samples(&setup, &|_| {}), &display).expect("sizes fit");
+        let ideal = view_through(&camera.rays(&setup), &display).expect("sizes fit");
         let (a, b) = (moments(&got.layers.real).0, moments(&ideal).0);
         // A dot is a pixel wide; a few hundred paths reach it, so its centre is sure to some hundredths of a
         // pixel. Light that was reflected inside the ball is spread widely: 1e-3 of it, over 24 pixels.

@@ -101,7 +101,8 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     }
     let loaded = open_scene(&arguments.scene, arguments.size)?;
     let mut notes = loaded.notes.clone();
-    let still = arguments.image.as_ref().map(|path| open_picture(path, &mut notes)).transpose()?;
+    let mut still =
+        arguments.image.as_ref().map(|path| open_picture(path, &mut notes)).transpose()?;
     let setups = match arguments.per_channel {
         true => Setup::by_colour(&loaded)?.into(),
         false => vec![Setup::new(&loaded)?],
@@ -125,13 +126,16 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     };
     let mut shown = None;
 
-    if let Some(still) = &still {
+    if let Some(still) = &mut still {
         notes.extend(stretch_note(setup, &still.picture));
         let (mut light, time) = timed(|| Ok(colour(&still.picture, &solutions)))?;
         laps.push(("colour", time));
         if arguments.optimal {
             bar.stage("best display image", 1);
-            let (best, time) = timed(|| optimal(&loaded, &solutions, &still.picture, &light))?;
+            // Nothing needs the photograph after that, and the search needs the memory.
+            let pixels = std::mem::take(&mut still.picture.pixels);
+            let picture = Picture { pixels, ..still.picture };
+            let (best, time) = timed(|| optimal(&loaded, &solutions, picture, light))?;
             light = best;
             laps.push(("optimal", time));
         }

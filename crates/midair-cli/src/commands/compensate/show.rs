@@ -7,7 +7,7 @@ use crate::output::Output;
 use crate::summary::percent;
 use clap::ValueEnum;
 use midair::evaluate::proof::{Reference, view_size};
-use midair::map::{Gain, Map};
+use midair::map::{Gain, Map, with_rim};
 use midair::media::optimal::{Weighting, optimal_display, view_through};
 use midair::media::{
     Depth, Overflow, Picture, Still, display_image, display_image_by_colour, drive, even_out,
@@ -86,7 +86,7 @@ pub fn finish(loaded: &Loaded, light: Picture, evening: Option<(Mode, &[Gain])>)
     let mut told = json!({});
     if let Some((mode, gains)) = evening {
         let gain = merged(gains);
-        let evened = even_out(&display, &gain, mode.overflow());
+        let evened = even_out(&display, &gain.with_rim(), mode.overflow());
         display = evened.display;
         let range = gain.range();
         let [least, most] = range.unwrap_or_default();
@@ -123,35 +123,40 @@ pub fn finish(loaded: &Loaded, light: Picture, evening: Option<(Mode, &[Gain])>)
 /// The picture through the maps.
 pub fn colour(picture: &Picture, solutions: &Solutions) -> Picture {
     if !solutions.by_colour() {
-        return display_image(picture, &solutions.main().map);
+        return display_image(picture, &with_rim(&solutions.main().map));
     }
-    display_image_by_colour(picture, [0, 1, 2].map(|c| &solutions.of_colour(c).map))
+    let maps = [0, 1, 2].map(|c| with_rim(&solutions.of_colour(c).map));
+    display_image_by_colour(picture, maps.each_ref())
 }
 
 /// The display image whose view comes nearest to what would be seen with no object in the way.
+///
+/// Both pictures are taken over, and rays are traced as they are asked for, so that a megapixel takes little memory.
 pub fn optimal(
     loaded: &Loaded,
     solutions: &Solutions,
-    picture: &Picture,
-    initial: &Picture,
+    picture: Picture,
+    initial: Picture,
 ) -> Result<Picture, Failure> {
     let setup = &solutions.main().setup;
     let [width, height] = setup.resolution;
     let camera = Camera::at_viewpoint(setup, view_size(setup, width));
     check_view(camera.size, camera.supersampling)?;
-    // Without elements there is no dispersion: one target for all colours. Its rays are let go before those of the views.
-    let target = {
-        let open = Reference::new(loaded, &camera, &|_| {});
-        view_through(&open.samples, &display_image(picture, &Map::identity(width, height)))?
+    // Without elements there is no dispersion: one target for all colours.
+    let unbent = display_image(&picture, &Map::identity(width, height));
+    drop(picture);
+    let target = view_through(&Reference::new(loaded, &camera), &unbent)?;
+    drop(unbent);
+    let best_for = |setup: &Setup, target: Picture, initial: Picture| -> Result<Picture, Failure> {
+        Ok(optimal_display(&camera.rays(setup), target, initial, Weighting::default())?.display)
     };
-    let best_for = |setup: &Setup| -> Result<Picture, Failure> {
-        let samples = camera.samples(setup, &|_| {});
-        Ok(optimal_display(&samples, &target, initial, Weighting::default())?.display)
-    };
-    let mut best = best_for(&solutions.0[0].setup)?;
-    for (c, solved) in solutions.0.iter().enumerate().skip(1) {
-        let other = best_for(&solved.setup)?;
-        best.pixels.iter_mut().zip(&other.pixels).for_each(|(pixel, other)| pixel[c] = other[c]);
+    if !solutions.by_colour() {
+        return best_for(setup, target, initial);
+    }
+    let mut best = initial.clone();
+    for (c, solved) in solutions.0.iter().enumerate() {
+        let one = best_for(&solved.setup, target.clone(), initial.clone())?;
+        best.pixels.iter_mut().zip(&one.pixels).for_each(|(pixel, one)| pixel[c] = one[c]);
     }
     Ok(best)
 }

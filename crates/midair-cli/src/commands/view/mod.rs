@@ -11,14 +11,16 @@ use crate::progress::Bar;
 use crate::summary::{Voice, milliseconds, paths, percent, wrote};
 use midair::evaluate::proof::{Watch as _, view_size};
 use midair::geometry::Vec3;
-use midair::media::optimal::view_through;
+use midair::media::optimal::{ViewRays, view_through};
 use midair::media::{Depth, Still, emitted, write_still};
 use midair::scene::Loaded;
-use midair::simulate::Camera;
+use midair::simulate::{Camera, Sight};
 use midair::transport::Setup;
 use serde_json::json;
+use std::ops::Range;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// Render what the viewer sees of a display
@@ -105,6 +107,33 @@ fn prepare(arguments: &Arguments, weight: usize) -> Result<Shot, Failure> {
     Ok(Shot { loaded, setup, still, camera, outputs, notes })
 }
 
+/// Rays that are counted and told of as they are traced.
+struct Watched<'a> {
+    rays: Sight<'a>,
+    bar: &'a Bar,
+    traced: AtomicUsize,
+    formed: AtomicUsize,
+}
+
+impl ViewRays for Watched<'_> {
+    fn size(&self) -> [usize; 2] {
+        self.rays.size()
+    }
+
+    fn rays_per_pixel(&self) -> usize {
+        self.rays.rays_per_pixel()
+    }
+
+    fn ends(&self, pixels: Range<usize>, ends: &mut [[f64; 2]]) {
+        let rows = pixels.len() / self.size()[0];
+        self.rays.ends(pixels, ends);
+        let formed = ends.iter().filter(|st| st[0].is_finite()).count();
+        self.traced.fetch_add(ends.len(), Ordering::Relaxed);
+        self.formed.fetch_add(formed, Ordering::Relaxed);
+        self.bar.advance(rows);
+    }
+}
+
 /// The view by the one course that light has through an ideal plate and clear elements.
 fn one_course(shot: Shot, voice: Voice) -> Result<(), Failure> {
     let Shot { loaded, setup, still, camera, outputs, notes } = shot;
@@ -112,12 +141,13 @@ fn one_course(shot: Shot, voice: Voice) -> Result<(), Failure> {
     let start = Instant::now();
     let bar = Bar::new();
     bar.stage("rays of the view", size[1]);
-    let samples = camera.samples(&setup, &|rows| bar.advance(rows));
-    let view = view_through(&samples, &still.picture)?;
+    let watched =
+        Watched { rays: camera.rays(&setup), bar: &bar, traced: 0.into(), formed: 0.into() };
+    let view = view_through(&watched, &still.picture)?;
     bar.finish();
     let time = start.elapsed();
-    let lit =
-        samples.st.iter().filter(|st| st[0].is_finite()).count() as f64 / samples.st.len() as f64;
+    let rays = watched.traced.into_inner();
+    let lit = watched.formed.into_inner() as f64 / rays as f64;
 
     let depth = if still.depth == Depth::Eight { Depth::Eight } else { Depth::Sixteen };
     let mut files = Vec::new();
@@ -128,10 +158,7 @@ fn one_course(shot: Shot, voice: Voice) -> Result<(), Failure> {
     voice.note(&notes);
     voice.explain(&format!(
         "{} rays from ({}, {}, {}) mm, each the bilinear interpolation of four display pixels",
-        samples.st.len(),
-        eye.x,
-        eye.y,
-        eye.z
+        rays, eye.x, eye.y, eye.z
     ));
     let lines = format!(
         "{}: a view of {} x {} pixels, {} of it reached by the display's light\n{}",
@@ -148,7 +175,7 @@ fn one_course(shot: Shot, voice: Voice) -> Result<(), Failure> {
             "size": size,
             "from": [eye.x, eye.y, eye.z],
             "window": camera.window,
-            "rays": samples.st.len(),
+            "rays": rays,
             "lit": lit,
             "timings_ms": { "view": milliseconds(time) },
             "files": paths(&files),

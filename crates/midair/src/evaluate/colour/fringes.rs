@@ -4,8 +4,8 @@ use super::super::lattice::{LatticeStyle, LatticeStyleError, draw_lattice};
 use super::super::proof::displacement::Sight;
 use super::super::proof::{ProofError, view_size};
 use super::{coarse, shows};
-use crate::map::{Accuracy, Map, bleed, invert};
-use crate::media::optimal::view_through;
+use crate::map::{Accuracy, Map, invert, with_rim};
+use crate::media::optimal::{ViewSamples, view_through};
 use crate::media::{Picture, display_image, display_image_by_colour};
 use crate::scene::Loaded;
 use crate::simulate::Camera;
@@ -122,10 +122,9 @@ fn close_ups(
     let style = LatticeStyle { line: [1.0; 4], ground: [0.0, 0.0, 0.0, 1.0], ..style.clone() };
     let drawn: Result<Picture, LatticeStyleError> = draw_lattice(DRAWN, DRAWN, &style);
     let drawn = drawn?;
-    // Display pixels next to the region's edge are interpolated with what lies beyond.
-    let three = three.each_ref().map(|map| bleed(map, 1));
+    let three = three.each_ref().map(with_rim);
     let displays =
-        [display_image(&drawn, &bleed(one, 1)), display_image_by_colour(&drawn, three.each_ref())];
+        [display_image(&drawn, &with_rim(one)), display_image_by_colour(&drawn, three.each_ref())];
     let half = 0.5 * CLOSE_UP_SHARE;
     let middle = main.image.point(about.map(|c| c.clamp(half, 1.0 - half)));
     let mut views = [None, None];
@@ -135,7 +134,8 @@ fn close_ups(
         closer.image.frame.origin = middle;
         closer.image.size = closer.image.size.map(|side| side * CLOSE_UP_SHARE);
         let size = view_size(&closer, CLOSE_UP);
-        let samples = Camera::at_viewpoint(&closer, size).samples(&closer, &|_| {});
+        let camera = Camera::at_viewpoint(&closer, size);
+        let samples = ViewSamples::of(&camera.rays(&closer), &|_| {});
         for (view, display) in views.iter_mut().zip(&displays) {
             let seen = view_through(&samples, display)?;
             match view {

@@ -18,7 +18,7 @@ pub use uncompensated::uncompensated_map;
 
 use super::SimilarityError;
 use super::lattice::{LatticeStyle, LatticeStyleError, draw_lattice};
-use crate::map::{Accuracy, Effort, Formation, Map, formation, invert};
+use crate::map::{Accuracy, Effort, Formation, Map, formation, invert, with_rim};
 use crate::media::optimal::{
     OptimalError, ViewSamples, Weighting, optimal_display, scatter_average, view_through,
 };
@@ -116,7 +116,7 @@ pub struct Proof {
     pub region: Region,
     /// The picture with no object in the way.
     pub reference: Picture,
-    /// The share of the reference's rays that were completed, see [`Reference::completed`].
+    /// The share of the reference's rays that were completed, see [`Reference`].
     pub reference_completed: f64,
     /// The picture shown as it is.
     pub uncompensated: Shown,
@@ -174,9 +174,11 @@ pub fn prove(
         supersampling: settings.supersampling,
     };
     watch.stage("rays of the view", settings.view[1]);
-    let samples = camera.samples(&setup, &|rows| watch.advance(rows));
+    let samples = ViewSamples::of(&camera.rays(&setup), &|rows| watch.advance(rows));
     watch.stage("rays of the reference", settings.view[1]);
-    let open = Reference::new(loaded, &camera, &|rows| watch.advance(rows));
+    let open = Reference::new(loaded, &camera);
+    let open_samples = ViewSamples::of(&open, &|rows| watch.advance(rows));
+    let reference_completed = open.completed();
     clock.lap("view_rays");
 
     let [width, height] = setup.resolution;
@@ -184,7 +186,7 @@ pub fn prove(
     let identity = Map::identity(width, height);
 
     watch.stage("pictures", 4);
-    let reference = view_through(&open.samples, &display_image(picture, &identity))?;
+    let reference = view_through(&open_samples, &display_image(picture, &identity))?;
     let shown = |display: Picture, time: Duration| -> Result<Shown, ProofError> {
         let view = view_through(&samples, &display)?;
         let likeness = region.likeness(&view, &reference)?;
@@ -198,7 +200,7 @@ pub fn prove(
     };
     let (display, time) = timed(&|| Ok(display_image(picture, &as_is)))?;
     let uncompensated = shown(display, time)?;
-    let (display, time) = timed(&|| Ok(display_image(picture, &map)))?;
+    let (display, time) = timed(&|| Ok(display_image(picture, &with_rim(&map))))?;
     let compensated = shown(display, time)?;
     let (display, time) = timed(&|| scatter_average(&samples, &reference, width, height))?;
     let scattered = shown(display, time)?;
@@ -210,12 +212,12 @@ pub fn prove(
     // Twice as fine as view and display, so that display pixels average over exact shares of the lines' edges.
     let [columns, rows] = [0, 1].map(|axis| 2 * settings.view[axis].max(setup.resolution[axis]));
     let drawn = draw_lattice(columns, rows, &settings.lattice)?;
-    let flat = view_through(&open.samples, &display_image(&drawn, &identity))?;
+    let flat = view_through(&open_samples, &display_image(&drawn, &identity))?;
     watch.advance(1);
     let lattice = {
         let sight = displacement::Sight { setup: &setup, map: &map };
         let measure = displacement::Measure::new(&settings.lattice, &flat);
-        let view = view_through(&samples, &display_image(&drawn, &map))?;
+        let view = view_through(&samples, &display_image(&drawn, &with_rim(&map)))?;
         let compensated = measure.shape(view, |uv| sight.compensated(uv), &camera);
         watch.advance(1);
         let view = view_through(&samples, &display_image(&drawn, &as_is))?;
@@ -246,7 +248,7 @@ pub fn prove(
         formation,
         region,
         reference,
-        reference_completed: open.completed,
+        reference_completed,
         uncompensated,
         compensated,
         scattered,
@@ -262,7 +264,8 @@ fn best(
     target: &Picture,
     initial: &Picture,
 ) -> Result<Picture, OptimalError> {
-    Ok(optimal_display(samples, target, initial, Weighting::default())?.display)
+    let best = optimal_display(samples, target.clone(), initial.clone(), Weighting::default())?;
+    Ok(best.display)
 }
 
 /// Stages and their times.

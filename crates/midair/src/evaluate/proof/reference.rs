@@ -1,39 +1,59 @@
 //! What should be seen.
 
-use crate::media::optimal::ViewSamples;
+use crate::media::optimal::ViewRays;
 use crate::scene::Loaded;
 use crate::simulate::Camera;
 use crate::transport::Setup;
+use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Where the rays of the view end on the display with no object in the way: the reference's rays.
-#[derive(Clone, Debug)]
-pub struct Reference {
-    /// The rays' ends.
-    pub samples: ViewSamples,
-    /// The share of the rays that the plate alone would not bring to the display. A mirror may show what its plate, out of the straight
-    /// way, could not. They end where a plate without edges would bring them: at the display point that belongs to the image
-    /// point, st = uv.
-    pub completed: f64,
+/// The rays of the view with no object in the way.
+///
+/// A mirror may show what its plate, out of the straight way, could not: a ray that the plate alone would not bring to the display
+/// ends where a plate without edges would bring it, at the display point that belongs to the image point, st = uv. It is completed.
+#[derive(Debug)]
+pub struct Reference<'a> {
+    setup: Setup,
+    camera: &'a Camera,
+    asked: AtomicUsize,
+    completed: AtomicUsize,
 }
 
-impl Reference {
-    /// Traces the camera's rays through the scene without its elements. `progress` is called with rows that are done.
-    pub fn new(loaded: &Loaded, camera: &Camera, progress: &(dyn Fn(usize) + Sync)) -> Self {
-        let mut samples = camera.samples(&Setup::without_elements(loaded), progress);
-        let n = camera.supersampling;
-        let mut completed = 0usize;
-        for (index, st) in samples.st.iter_mut().enumerate().filter(|(_, st)| st[0].is_nan()) {
-            let (pixel, sub) = (index / (n * n), index % (n * n));
-            let offset = |k: usize| (k as f64 + 0.5) / n as f64;
-            let column = (pixel % camera.size[0]) as f64 + offset(sub % n);
-            let row = (pixel / camera.size[0]) as f64 + offset(sub / n);
-            let uv = camera.image_point(column, row);
+impl<'a> Reference<'a> {
+    /// The camera's rays through the scene without its elements.
+    pub fn new(loaded: &Loaded, camera: &'a Camera) -> Self {
+        let setup = Setup::without_elements(loaded);
+        Self { setup, camera, asked: AtomicUsize::new(0), completed: AtomicUsize::new(0) }
+    }
+
+    /// The share of the rays asked for so far that were completed.
+    pub fn completed(&self) -> f64 {
+        let asked = self.asked.load(Ordering::Relaxed);
+        self.completed.load(Ordering::Relaxed) as f64 / asked.max(1) as f64
+    }
+}
+
+impl ViewRays for Reference<'_> {
+    fn size(&self) -> [usize; 2] {
+        self.camera.size
+    }
+
+    fn rays_per_pixel(&self) -> usize {
+        self.camera.rays(&self.setup).rays_per_pixel()
+    }
+
+    fn ends(&self, pixels: Range<usize>, ends: &mut [[f64; 2]]) {
+        let (sight, each) = (self.camera.rays(&self.setup), self.rays_per_pixel());
+        sight.ends(pixels.clone(), ends);
+        let mut completed = 0;
+        for (index, st) in ends.iter_mut().enumerate().filter(|(_, st)| st[0].is_nan()) {
+            let uv = sight.image_point(pixels.start + index / each, index % each);
             if uv.iter().all(|c| (0.0..=1.0).contains(c)) {
                 *st = uv;
                 completed += 1;
             }
         }
-        let completed = completed as f64 / samples.st.len().max(1) as f64;
-        Self { samples, completed }
+        self.asked.fetch_add(ends.len(), Ordering::Relaxed);
+        self.completed.fetch_add(completed, Ordering::Relaxed);
     }
 }

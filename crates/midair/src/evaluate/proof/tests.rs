@@ -145,11 +145,11 @@ fn a_completed_reference_is_what_a_larger_plate_would_show() {
     let (whole, part) = (with_plate(488.0), with_plate(12.0));
     let setup = Setup::new(&whole).unwrap();
     let camera = Camera { eye: setup.viewpoint, size: [31, 23], window: 1.0, supersampling: 2 };
-    let whole = Reference::new(&whole, &camera, &|_| {});
-    let part = Reference::new(&part, &camera, &|_| {});
-    assert_eq!(whole.completed, 0.0);
-    assert!(part.completed > 0.3 && part.completed < 0.95, "{}", part.completed);
-    for (a, b) in whole.samples.st.iter().zip(&part.samples.st) {
+    let (whole, part) = (Reference::new(&whole, &camera), Reference::new(&part, &camera));
+    let [all, some] = [&whole, &part].map(|rays| ViewSamples::of(rays, &|_| {}));
+    assert_eq!(whole.completed(), 0.0);
+    assert!(part.completed() > 0.3 && part.completed() < 0.95, "{}", part.completed());
+    for (a, b) in all.st().iter().zip(some.st()) {
         // Rounding of coordinates of a metre.
         assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 1e-9, "{a:?} {b:?}");
     }

@@ -5,7 +5,7 @@ use super::cell::{Cell, Sample};
 use super::fill::{SOLVED, clear, hide_blocked};
 use super::newton::{apply_inverse, solve};
 use super::pixels::{Point, Raster, SAME};
-use super::row::{enter, from_centre};
+use super::row::{Row, enter, from_centre};
 use super::survey::{EMPTY, extend, sense};
 use super::tally::counted;
 use crate::map::{Map, Status, pixel_centre};
@@ -75,7 +75,7 @@ pub(super) fn solve_densely(setup: &Setup, raster: Raster, map: &mut Map) -> (us
             }
         }
     }
-    hide_blocked(map);
+    hide_blocked(Row { uv: &mut map.uv, status: &mut map.status });
     map.error_bound = SOLVED;
     (solved, rays)
 }

@@ -1,9 +1,9 @@
-//! Writing the cells' answers into the display's pixels.
+//! Entering the cells' answers into the display's pixels.
 
-use super::Leaf;
 use super::patch::Patch;
 use super::pixels::{Point, Raster};
 use super::row::{Row, Stretch, enter};
+use super::{Effort, Leaf};
 use crate::map::{Map, Status, pixel_centre};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -14,50 +14,83 @@ const BAND: usize = 16;
 /// The bound of pixels that are solved by themselves: what Newton's method leaves.
 pub(super) const SOLVED: f64 = 1e-12;
 
-/// Fills the map from all cells; a band of rows at a time, so that each pixel is written to memory once.
-pub(super) fn fill(leaves: &[Leaf], raster: Raster, map: &mut Map) {
-    let width = raster.width;
-    let mut patches = Vec::new();
-    let mut points: Vec<Point> = Vec::new();
-    for leaf in leaves {
-        match leaf {
-            Leaf::Patch(patch) => patches.push((patch, raster.pixels_in(patch.rect))),
-            Leaf::Points(p) => points.extend(p),
+/// The answers of all cells, in the order in which rows ask for them.
+#[derive(Debug)]
+pub(super) struct Answers {
+    raster: Raster,
+    /// Each with the columns and rows that it reaches.
+    patches: Vec<(Patch, [Range<usize>; 2])>,
+    /// By rows.
+    points: Vec<Point>,
+    any_blocked: bool,
+}
+
+impl Answers {
+    pub fn new(leaves: Vec<Leaf>, raster: Raster) -> Self {
+        let (mut patches, mut points) = (Vec::new(), Vec::new());
+        for leaf in leaves {
+            match leaf {
+                Leaf::Patch(patch) => {
+                    let reached = raster.pixels_in(patch.rect);
+                    patches.push((patch, reached));
+                }
+                Leaf::Points(found) => points.extend(found),
+            }
+        }
+        points.sort_unstable_by_key(|p: &Point| p.row);
+        let any_blocked =
+            patches.iter().any(|(patch, _)| patch.blocked) || points.iter().any(|p| p.blocked);
+        Self { raster, patches, points, any_blocked }
+    }
+
+    /// What they took, with so many rays.
+    pub fn effort(&self, rays: u64) -> Effort {
+        Effort { patches: self.patches.len(), solved_pixels: self.points.len(), rays }
+    }
+
+    pub fn error_bound(&self) -> f64 {
+        self.patches.iter().fold(SOLVED, |worst, (patch, _)| worst.max(patch.error))
+    }
+
+    /// Fills the map, a band of rows at a time, so that each pixel is written to memory once.
+    pub fn fill(&self, map: &mut Map) {
+        let size = (BAND * self.raster.width).max(1);
+        let bands = map.uv.par_chunks_mut(size).zip(map.status.par_chunks_mut(size));
+        bands.enumerate().for_each(|(index, (uv, status))| {
+            self.enter(index * BAND, Row { uv, status });
+        });
+        map.error_bound = self.error_bound();
+    }
+
+    /// Fills whole rows of the map, from row `first` on.
+    pub fn enter(&self, first: usize, Row { uv, status }: Row<'_>) {
+        let width = self.raster.width;
+        let rows = first..first + status.len() / width;
+        let here: Vec<_> = self
+            .patches
+            .iter()
+            .filter(|(_, [_, of])| of.start < rows.end && rows.start < of.end)
+            .collect();
+        for ((uv, status), row) in
+            uv.chunks_mut(width).zip(status.chunks_mut(width)).zip(rows.clone())
+        {
+            let stretches = here.iter().filter(|(_, [_, of])| of.contains(&row));
+            fill_row(stretches.copied(), row, self.raster, Row { uv, status });
+        }
+        let before = self.points.partition_point(|p| (p.row as usize) < rows.start);
+        for point in self.points[before..].iter().take_while(|p| (p.row as usize) < rows.end) {
+            let at = (point.row as usize - rows.start) * width + point.column as usize;
+            enter(&mut uv[at], &mut status[at], point.uv, point.blocked);
+        }
+        if self.any_blocked {
+            hide_blocked(Row { uv, status });
         }
     }
-    points.sort_unstable_by_key(|p| p.row);
-    map.uv
-        .par_chunks_mut(BAND * width)
-        .zip(map.status.par_chunks_mut(BAND * width))
-        .enumerate()
-        .for_each(|(index, (uv, status))| {
-            let rows = index * BAND..(index * BAND + status.len() / width);
-            let here: Vec<_> = patches
-                .iter()
-                .filter(|(_, [_, of])| of.start < rows.end && rows.start < of.end)
-                .collect();
-            for ((uv, status), row) in
-                uv.chunks_mut(width).zip(status.chunks_mut(width)).zip(rows.clone())
-            {
-                let stretches = here.iter().filter(|(_, [_, of])| of.contains(&row));
-                fill_row(stretches.copied(), row, raster, Row { uv, status });
-            }
-            let first = points.partition_point(|p| (p.row as usize) < rows.start);
-            for point in points[first..].iter().take_while(|p| (p.row as usize) < rows.end) {
-                let at = (point.row as usize - rows.start) * width + point.column as usize;
-                enter(&mut uv[at], &mut status[at], point.uv, point.blocked);
-            }
-        });
-    map.error_bound = patches.iter().fold(SOLVED, |worst, (patch, _)| worst.max(patch.error));
-    if patches.iter().all(|(patch, _)| !patch.blocked) && points.iter().all(|p| !p.blocked) {
-        return;
-    }
-    hide_blocked(map);
 }
 
 /// Takes back the answers of blocked pixels, which served to tell them from others.
-pub(super) fn hide_blocked(map: &mut Map) {
-    for (uv, status) in map.uv.iter_mut().zip(&map.status) {
+pub(super) fn hide_blocked(Row { uv, status }: Row<'_>) {
+    for (uv, status) in uv.iter_mut().zip(status) {
         if *status == Status::Blocked {
             *uv = [f64::NAN; 2];
         }
@@ -72,7 +105,7 @@ pub(super) fn clear(uv: &mut [[f64; 2]], status: &mut [Status]) {
 
 /// A row of the map from the patches that it crosses, each with its columns.
 fn fill_row<'a>(
-    mut patches: impl Iterator<Item = &'a (&'a Patch, [Range<usize>; 2])>,
+    mut patches: impl Iterator<Item = &'a (Patch, [Range<usize>; 2])>,
     row: usize,
     raster: Raster,
     Row { uv, status }: Row<'_>,

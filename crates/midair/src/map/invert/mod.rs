@@ -11,6 +11,7 @@
 mod cell;
 mod dense;
 mod fill;
+mod inverse;
 mod newton;
 mod patch;
 mod pixels;
@@ -23,9 +24,11 @@ mod tests;
 
 use cell::Cell;
 use dense::solve_densely;
-use fill::fill;
+use fill::Answers;
 use pixels::Raster;
 use plan::{Leaf, plan};
+
+pub use inverse::{Inverse, RowScratch};
 
 use super::{Map, Status};
 use crate::transport::Setup;
@@ -78,13 +81,7 @@ pub fn invert_into(setup: &Setup, accuracy: Accuracy, map: &mut Map) -> Effort {
         let (solved_pixels, dense) = solve_densely(setup, raster, map);
         return Effort { patches: 0, solved_pixels, rays: rays + dense };
     };
-    fill(&leaves, raster, map);
-    let mut effort = Effort { rays, ..Effort::default() };
-    for leaf in &leaves {
-        match leaf {
-            Leaf::Patch(_) => effort.patches += 1,
-            Leaf::Points(points) => effort.solved_pixels += points.len(),
-        }
-    }
-    effort
+    let answers = Answers::new(leaves, raster);
+    answers.fill(map);
+    answers.effort(rays)
 }

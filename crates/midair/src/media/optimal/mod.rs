@@ -16,22 +16,66 @@ mod solve;
 pub use scatter::scatter_average;
 
 use super::{Picture, srgb};
-use operator::SparseRows;
+use operator::{Rgb, SparseRows};
 use rayon::prelude::*;
 use solve::{Effort, Problem};
+use std::ops::Range;
 
-/// Where the view's rays end on the display.
+/// The rays of a view, traced when they are asked for: a view of a megapixel has more of them than should be held.
+pub trait ViewRays: Sync {
+    /// View pixels in a row, and rows.
+    fn size(&self) -> [usize; 2];
+
+    /// Rays through each view pixel.
+    fn rays_per_pixel(&self) -> usize;
+
+    /// Where the rays through some view pixels (row by row from the top left) end on the display: st (right, up, \[0, 1\]), those of one
+    /// pixel and then of the next; NaN where a ray ends dark. `ends` holds [`Self::rays_per_pixel`] for each pixel.
+    fn ends(&self, pixels: Range<usize>, ends: &mut [[f64; 2]]);
+}
+
+/// Where the view's rays end on the display, held: for views that are looked at again and again.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ViewSamples {
-    /// View pixels in a row.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// Rays through each view pixel.
-    pub samples_per_pixel: usize,
-    /// Display coordinates st (right, up, \[0, 1\]) of each ray: `samples_per_pixel` for the top-left view
-    /// pixel, then for the next on its row, and so on; NaN where the ray ends dark.
-    pub st: Vec<[f64; 2]>,
+    size: [usize; 2],
+    each: usize,
+    st: Vec<[f64; 2]>,
+}
+
+impl ViewSamples {
+    /// Traces all of a view's rays. `progress` is called with the number of rows that are done.
+    ///
+    /// Memory: 16 B a ray.
+    pub fn of(rays: &impl ViewRays, progress: &(dyn Fn(usize) + Sync)) -> Self {
+        let (size, each) = (rays.size(), rays.rays_per_pixel());
+        let width = size[0];
+        let mut st = vec![[f64::NAN; 2]; width * size[1] * each];
+        st.par_chunks_mut((width * each).max(1)).enumerate().for_each(|(row, ends)| {
+            rays.ends(row * width..(row + 1) * width, ends);
+            progress(1);
+        });
+        Self { size, each, st }
+    }
+
+    /// Where the rays end: st of each, in the order of [`ViewRays::ends`]; NaN where a ray ends dark.
+    pub fn st(&self) -> &[[f64; 2]] {
+        &self.st
+    }
+}
+
+impl ViewRays for ViewSamples {
+    fn size(&self) -> [usize; 2] {
+        self.size
+    }
+
+    fn rays_per_pixel(&self) -> usize {
+        self.each
+    }
+
+    fn ends(&self, pixels: Range<usize>, ends: &mut [[f64; 2]]) {
+        let each = self.each;
+        ends.copy_from_slice(&self.st[pixels.start * each..pixels.end * each]);
+    }
 }
 
 /// How the difference between view and target counts.
@@ -64,26 +108,34 @@ pub enum OptimalError {
 /// The display image in \[0, 1\] whose view is nearest to `target`, from the `initial` one (the plain
 /// filter's), whose pixels stay where no ray ends. Linear light.
 ///
+/// Both pictures are taken over: at a megapixel what is held at once is what limits a user's machine (60 B a pixel for the matrix and
+/// its transpose where the view is as fine as the display, 91 B for the solver's vectors).
+///
 /// # Errors
-/// [`OptimalError::Size`] where `samples`, `target` and their counts disagree or anything is empty.
+/// [`OptimalError::Size`] where the sizes of `rays`, `target` and their counts disagree or anything is empty.
 pub fn optimal_display(
-    samples: &ViewSamples,
-    target: &Picture,
-    initial: &Picture,
+    rays: &impl ViewRays,
+    target: Picture,
+    initial: Picture,
     weighting: Weighting,
 ) -> Result<Optimal, OptimalError> {
-    check_sizes(samples, target, initial)?;
+    check_sizes(rays, &target, &initial)?;
     let (width, height) = (initial.width, initial.height);
-    let forward = SparseRows::from_view(samples, width, height);
+    // The matrices are at their largest while they are built: before the vectors are there.
+    let forward = SparseRows::from_view(rays, width, height);
     let backward = forward.transposed(width * height);
-    let weight: Vec<[f32; 4]> = match weighting {
-        Weighting::Linear => vec![[1.0, 1.0, 1.0, 0.0]; target.pixels.len()],
-        Weighting::Encoded => target.pixels.par_iter().map(encoded_weight).collect(),
+    let count = target.pixels.len();
+    let opaque = |[r, g, b, _]: [f32; 4]| [r, g, b];
+    let target: Vec<Rgb> = target.pixels.into_iter().map(opaque).collect();
+    let alpha: Vec<f32> = initial.pixels.iter().map(|pixel| pixel[3]).collect();
+    let within = |pixel: [f32; 4]| opaque(pixel.map(|value| value.clamp(0.0, 1.0)));
+    let mut pixels: Vec<Rgb> = initial.pixels.into_iter().map(within).collect();
+    let problem = Problem {
+        forward: &forward,
+        backward: &backward,
+        target: &target,
+        weights: &Weights::new(weighting),
     };
-    let problem =
-        Problem { forward: &forward, backward: &backward, target: &target.pixels, weight: &weight };
-    let mut pixels: Vec<[f32; 4]> =
-        initial.pixels.iter().map(|pixel| pixel.map(|value| value.clamp(0.0, 1.0))).collect();
     let effort = Effort {
         // On photographs through a ball lens 16 to 24 steps come within 0.05 dB of 300.
         steps: 40,
@@ -92,50 +144,76 @@ pub fn optimal_display(
         // A quarter of an 8-bit step, root mean square: below what the display can show.
         negligible: match weighting {
             Weighting::Linear => 0.0,
-            Weighting::Encoded => (0.25f64 / 255.0).powi(2) * target.pixels.len() as f64,
+            Weighting::Encoded => (0.25f64 / 255.0).powi(2) * count as f64,
         },
     };
     let steps = problem.solve(&mut pixels, effort);
-    pixels.iter_mut().zip(&initial.pixels).for_each(|(pixel, initial)| pixel[3] = initial[3]);
+    drop((forward, backward, target));
+    let whole = |([r, g, b], alpha): (Rgb, f32)| [r, g, b, alpha];
+    let pixels = pixels.into_iter().zip(alpha).map(whole).collect();
     Ok(Optimal { display: Picture { width, height, pixels }, steps })
 }
 
 /// The view of a display image: what [`optimal_display`] brings near to its target. Linear light; alpha 1.
 ///
 /// # Errors
-/// [`OptimalError::Size`] where the samples' counts disagree or anything is empty.
-pub fn view_through(samples: &ViewSamples, display: &Picture) -> Result<Picture, OptimalError> {
-    check_samples(samples, display)?;
-    let forward = SparseRows::from_view(samples, display.width, display.height);
-    let mut pixels = vec![[0.0; 4]; samples.width * samples.height];
-    forward.multiply(&display.pixels, &mut pixels, |_, [r, g, b, _]| ([r, g, b, 1.0], [0.0; 4]));
-    Ok(Picture { width: samples.width, height: samples.height, pixels })
-}
-
-/// Squared slope of the sRGB curve at a target pixel's channels.
-fn encoded_weight(target: &[f32; 4]) -> [f32; 4] {
-    std::array::from_fn(|c| {
-        if c == 3 {
-            return 0.0;
+/// [`OptimalError::Size`] where the rays' counts disagree or anything is empty.
+pub fn view_through(rays: &impl ViewRays, display: &Picture) -> Result<Picture, OptimalError> {
+    check_rays(rays, display)?;
+    let ([width, height], each) = (rays.size(), rays.rays_per_pixel());
+    let mut pixels = vec![[0.0, 0.0, 0.0, 1.0]; width * height];
+    pixels.par_chunks_mut(width).enumerate().for_each(|(row, line)| {
+        let mut ends = vec![[f64::NAN; 2]; width * each];
+        rays.ends(row * width..(row + 1) * width, &mut ends);
+        for (pixel, ends) in line.iter_mut().zip(ends.chunks_exact(each)) {
+            for light in ends.iter().filter_map(|&st| display.emitted(st)) {
+                for c in 0..3 {
+                    pixel[c] += light[c] / each as f32;
+                }
+            }
         }
-        (srgb::encode_slope(f64::from(target[c].clamp(0.0, 1.0)))).powi(2) as f32
-    })
+    });
+    Ok(Picture { width, height, pixels })
 }
 
-fn check_samples(samples: &ViewSamples, display: &Picture) -> Result<(), OptimalError> {
-    let rays = samples.width * samples.height * samples.samples_per_pixel;
-    if rays == 0 || samples.st.len() != rays {
+/// How much an error counts, by the target's value.
+struct Weights(Vec<f32>);
+
+impl Weights {
+    /// Steps of the target's value from 0 to 1: a weight for each is a table that stays in the nearest cache, where one for each
+    /// pixel would be a picture more. A weight off by a step's width moves no optimum that could be seen.
+    const STEPS: usize = 4095;
+
+    /// The squared slope of the sRGB curve, or 1.
+    fn new(weighting: Weighting) -> Self {
+        let weight = |step: usize| match weighting {
+            Weighting::Linear => 1.0,
+            Weighting::Encoded => {
+                srgb::encode_slope(step as f64 / Self::STEPS as f64).powi(2) as f32
+            }
+        };
+        Self((0..=Self::STEPS).map(weight).collect())
+    }
+
+    /// The weights at a target's pixel.
+    #[inline]
+    fn at(&self, target: Rgb) -> Rgb {
+        // A float to an integer saturates, and takes NaN to 0.
+        target.map(|value| self.0[((value * Self::STEPS as f32 + 0.5) as usize).min(Self::STEPS)])
+    }
+}
+
+fn check_rays(rays: &impl ViewRays, display: &Picture) -> Result<(), OptimalError> {
+    let ([width, height], each) = (rays.size(), rays.rays_per_pixel());
+    let count = width * height * each;
+    if count == 0 {
         return Err(OptimalError::Size(format!(
-            "{} x {} view pixels of {} rays each, but {} rays",
-            samples.width,
-            samples.height,
-            samples.samples_per_pixel,
-            samples.st.len()
+            "a view of {width} x {height} pixels of {each} rays each"
         )));
     }
     // Indices are 32 bits wide, and a row has at most four entries a ray.
-    if rays.saturating_mul(4) > u32::MAX as usize {
-        return Err(OptimalError::Size(format!("{rays} rays are more than can be handled")));
+    if count.saturating_mul(4) > u32::MAX as usize {
+        return Err(OptimalError::Size(format!("{count} rays are more than can be handled")));
     }
     if display.width * display.height == 0
         || display.pixels.len() != display.width * display.height
@@ -150,17 +228,16 @@ fn check_samples(samples: &ViewSamples, display: &Picture) -> Result<(), Optimal
 }
 
 fn check_sizes(
-    samples: &ViewSamples,
+    rays: &impl ViewRays,
     target: &Picture,
     initial: &Picture,
 ) -> Result<(), OptimalError> {
-    check_samples(samples, initial)?;
-    if (target.width, target.height) != (samples.width, samples.height)
-        || target.pixels.len() != target.width * target.height
-    {
+    check_rays(rays, initial)?;
+    let [width, height] = rays.size();
+    if [target.width, target.height] != [width, height] || target.pixels.len() != width * height {
         return Err(OptimalError::Size(format!(
-            "a target of {} x {} pixels for a view of {} x {}",
-            target.width, target.height, samples.width, samples.height
+            "a target of {} x {} pixels for a view of {width} x {height}",
+            target.width, target.height
         )));
     }
     Ok(())

@@ -1,6 +1,6 @@
 //! The paper's way: what the view's rays see of the image lands on the display.
 
-use super::{OptimalError, ViewSamples, check_samples};
+use super::{OptimalError, ViewSamples};
 use crate::media::Picture;
 use crate::media::interpolate::bilinear_taps;
 
@@ -18,10 +18,9 @@ pub fn scatter_average(
     height: usize,
 ) -> Result<Picture, OptimalError> {
     let mut display = Picture::filled(width, height, [0.0; 4]);
-    check_samples(samples, &display)?;
     super::check_sizes(samples, target, &display)?;
     let mut total = vec![0.0f32; width * height];
-    for (rays, colour) in samples.st.chunks_exact(samples.samples_per_pixel).zip(&target.pixels) {
+    for (rays, colour) in samples.st.chunks_exact(samples.each).zip(&target.pixels) {
         for &st in rays {
             for (pixel, weight) in bilinear_taps(st, width, height).into_iter().flatten() {
                 let pixel = pixel as usize;

@@ -1,6 +1,7 @@
 //! Bounded least squares by projected conjugate gradients.
 
-use super::operator::SparseRows;
+use super::Weights;
+use super::operator::{Rgb, SparseRows};
 use rayon::prelude::*;
 
 /// Pixels that a task of the thread pool takes at a time.
@@ -10,8 +11,8 @@ const BAND: usize = 8192;
 pub(super) struct Problem<'a> {
     pub(super) forward: &'a SparseRows,
     pub(super) backward: &'a SparseRows,
-    pub(super) target: &'a [[f32; 4]],
-    pub(super) weight: &'a [[f32; 4]],
+    pub(super) target: &'a [Rgb],
+    pub(super) weights: &'a Weights,
 }
 
 /// How long to go on.
@@ -27,11 +28,28 @@ pub(super) struct Effort {
     pub(super) negligible: f64,
 }
 
-type Pixels = Vec<[f32; 4]>;
-
 /// Channelwise quotient, 0 where there is nothing to divide by.
-fn ratio(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+fn ratio(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|c| if b[c] > 0.0 { a[c] / b[c] } else { 0.0 })
+}
+
+/// A preconditioner's value with the upper half of a float's bits: any positive diagonal is as right, and half as much is read.
+#[derive(Clone, Copy)]
+struct Coarse([u16; 3]);
+
+impl Coarse {
+    fn reciprocal(value: Rgb) -> Self {
+        Self(
+            value.map(
+                |v| if v > 0.0 { ((1.0 / v).min(f32::MAX).to_bits() >> 16) as u16 } else { 0 },
+            ),
+        )
+    }
+
+    #[inline]
+    fn get(self) -> Rgb {
+        self.0.map(|bits| f32::from_bits(u32::from(bits) << 16))
+    }
 }
 
 impl Problem<'_> {
@@ -40,91 +58,77 @@ impl Problem<'_> {
     /// As Moré and Toraldo (1991): conjugate gradients (preconditioned by the diagonal) on the
     /// pixels that are free, then a projected search along the step found, which changes the set of free
     /// pixels; and again.
-    pub(super) fn solve(&self, x: &mut Pixels, effort: Effort) -> usize {
+    pub(super) fn solve(&self, x: &mut Vec<Rgb>, effort: Effort) -> usize {
         let (rows, count) = (self.forward.rows(), x.len());
-        let inverse_diagonal: Pixels = self
-            .backward
-            .squared_row_sums(self.weight)
-            .into_iter()
-            .map(|sum| sum.map(|s| if s > 0.0 { 1.0 / s } else { 0.0 }))
-            .collect();
-        let mut residual: Pixels = vec![[0.0; 4]; rows];
+        let weight = |row: usize| self.weights.at(self.target[row]);
+        let inverse_diagonal = self.backward.squared_row_sums(weight, Coarse::reciprocal);
+        // The weighted residual: W (A x - target).
+        let mut residual: Vec<Rgb> = vec![[0.0; 3]; rows];
         let mut objective = self.residual(x, &mut residual);
-        let mut direction: Pixels = vec![[0.0; 4]; count];
-        let mut image: Pixels = vec![[0.0; 4]; rows];
-        let mut weighted: Pixels = vec![[0.0; 4]; rows];
-        let mut gradient: Pixels = vec![[0.0; 4]; count];
-        let mut remainder: Pixels = vec![[0.0; 4]; count];
-        let mut step: Pixels = vec![[0.0; 4]; count];
-        let mut trial: Pixels = vec![[0.0; 4]; count];
+        let mut image: Vec<Rgb> = vec![[0.0; 3]; rows];
+        let mut direction: Vec<Rgb> = vec![[0.0; 3]; count];
+        let mut remainder: Vec<Rgb> = vec![[0.0; 3]; count];
+        let mut step: Vec<Rgb> = vec![[0.0; 3]; count];
+        // A bit for each channel that may move.
+        let mut free = vec![0u8; count];
         let mut taken = 0;
         while taken < effort.steps && (0..3).any(|c| objective[c] > effort.negligible) {
-            weighted.par_chunks_mut(BAND).enumerate().for_each(|(band, chunk)| {
-                for (i, value) in chunk.iter_mut().enumerate() {
-                    let row = band * BAND + i;
-                    for c in 0..4 {
-                        value[c] = self.weight[row][c] * residual[row][c];
-                    }
-                }
-            });
             // Steepest descent on the free pixels: `remainder` = -gradient there, 0 elsewhere. A free
-            // pixel stays free for the whole face; the bound ones are known by a zero in `mask`.
-            let mask = &inverse_diagonal;
-            let start = &*x;
-            let mut rz = self.backward.multiply(&weighted, &mut remainder, |i, g| {
-                let mut down = [0.0f32; 4];
-                let mut sum = [0.0f64; 4];
-                for c in 0..4 {
+            // pixel stays free for the whole face.
+            let (mask, start) = (&inverse_diagonal, &*x);
+            let mut rz = self.backward.multiply(&residual, &mut remainder, |i, g, _| {
+                let (mut down, mut sum, mask) = ([0.0f32; 3], [0.0f64; 3], mask[i].get());
+                for c in 0..3 {
                     let bound = (start[i][c] <= 0.0 && g[c] > 0.0)
                         || (start[i][c] >= 1.0 && g[c] < 0.0)
-                        || mask[i][c] == 0.0;
+                        || mask[c] == 0.0;
                     down[c] = if bound { 0.0 } else { -g[c] };
-                    sum[c] = f64::from(down[c] * down[c] * mask[i][c]);
+                    sum[c] = f64::from(down[c] * down[c] * mask[c]);
                 }
                 (down, sum)
             });
-            // Bound pixels are those whose remainder is exactly 0 here: remember them.
-            gradient.copy_from_slice(&remainder);
-            direction.par_iter_mut().enumerate().with_min_len(BAND).for_each(|(i, p)| {
-                for c in 0..4 {
-                    p[c] = remainder[i][c] * inverse_diagonal[i][c];
-                }
-            });
-            step.par_iter_mut().with_min_len(BAND).for_each(|s| *s = [0.0; 4]);
+            let bands = direction.par_chunks_mut(BAND).zip(step.par_chunks_mut(BAND));
+            bands.zip(free.par_chunks_mut(BAND)).enumerate().for_each(
+                |(band, ((direction, step), free))| {
+                    let places = direction.iter_mut().zip(step).zip(free).enumerate();
+                    for (i, ((p, s), free)) in places {
+                        let i = band * BAND + i;
+                        let (down, inverse) = (remainder[i], mask[i].get());
+                        *free = (0..3).map(|c| u8::from(down[c] != 0.0) << c).sum();
+                        *p = std::array::from_fn(|c| down[c] * inverse[c]);
+                        *s = [0.0; 3];
+                    }
+                },
+            );
             let first = rz;
             let mut inner = 0;
             while inner < effort.steps_per_face && taken < effort.steps {
-                let curvature = self.forward.multiply(&direction, &mut image, |row, q| {
-                    let w = &self.weight[row];
+                let curvature = self.forward.multiply(&direction, &mut image, |row, q, _| {
+                    let w = weight(row);
                     let scaled = std::array::from_fn(|c| w[c] * q[c]);
                     (scaled, std::array::from_fn(|c| f64::from(w[c] * q[c] * q[c])))
                 });
                 let alpha = ratio(rz, curvature).map(|a| a as f32);
                 let previous = rz;
-                let (free, old) = (&gradient, &remainder);
-                rz = self.backward.multiply(&image, &mut trial, |i, hp| {
-                    let mut next = [0.0f32; 4];
-                    let mut sum = [0.0f64; 4];
-                    for c in 0..4 {
-                        if free[i][c] != 0.0 {
-                            next[c] = old[i][c] - alpha[c] * hp[c];
-                            sum[c] = f64::from(next[c] * next[c] * inverse_diagonal[i][c]);
+                rz = self.backward.multiply(&image, &mut remainder, |i, hp, old| {
+                    let (mut next, mut sum, inverse) = ([0.0f32; 3], [0.0f64; 3], mask[i].get());
+                    for c in 0..3 {
+                        if free[i] >> c & 1 == 1 {
+                            next[c] = old[c] - alpha[c] * hp[c];
+                            sum[c] = f64::from(next[c] * next[c] * inverse[c]);
                         }
                     }
                     (next, sum)
                 });
-                std::mem::swap(&mut remainder, &mut trial);
                 let beta = ratio(rz, previous).map(|b| b as f32);
-                let remainder = &remainder;
-                let inverse_diagonal = &inverse_diagonal;
                 let bands = direction.par_chunks_mut(BAND).zip(step.par_chunks_mut(BAND));
                 bands.enumerate().for_each(|(band, (direction, step))| {
                     for (i, (p, s)) in direction.iter_mut().zip(step).enumerate() {
-                        let pixel = band * BAND + i;
-                        for c in 0..4 {
+                        let (down, inverse) =
+                            (remainder[band * BAND + i], mask[band * BAND + i].get());
+                        for c in 0..3 {
                             s[c] += alpha[c] * p[c];
-                            p[c] =
-                                remainder[pixel][c] * inverse_diagonal[pixel][c] + beta[c] * p[c];
+                            p[c] = down[c] * inverse[c] + beta[c] * p[c];
                         }
                     }
                 });
@@ -136,7 +140,15 @@ impl Problem<'_> {
                 }
             }
             let before = objective;
-            self.projected_search(x, &step, &mut objective, &mut residual, &mut trial, &mut image);
+            // The direction is used up: its memory serves the search.
+            self.projected_search(
+                x,
+                &step,
+                &mut objective,
+                &mut residual,
+                &mut direction,
+                &mut image,
+            );
             if (0..3).all(|c| before[c] - objective[c] <= effort.tolerance * before[c]) {
                 break;
             }
@@ -144,11 +156,14 @@ impl Problem<'_> {
         taken
     }
 
-    /// `residual = A x - target`; its weighted sum of squares per channel.
-    fn residual(&self, x: &[[f32; 4]], residual: &mut [[f32; 4]]) -> [f64; 4] {
-        self.forward.multiply(x, residual, |row, value| {
-            let r: [f32; 4] = std::array::from_fn(|c| value[c] - self.target[row][c]);
-            (r, std::array::from_fn(|c| f64::from(self.weight[row][c] * r[c] * r[c])))
+    /// `residual = W (A x - target)`; the weighted sum of squares per channel.
+    fn residual(&self, x: &[Rgb], residual: &mut [Rgb]) -> [f64; 3] {
+        self.forward.multiply(x, residual, |row, value, _| {
+            let target = self.target[row];
+            let w = self.weights.at(target);
+            let r: Rgb = std::array::from_fn(|c| value[c] - target[c]);
+            let weighted: Rgb = std::array::from_fn(|c| w[c] * r[c]);
+            (weighted, std::array::from_fn(|c| f64::from(weighted[c] * r[c])))
         })
     }
 
@@ -156,24 +171,24 @@ impl Problem<'_> {
     /// is no larger than before.
     fn projected_search(
         &self,
-        x: &mut Pixels,
-        step: &[[f32; 4]],
-        objective: &mut [f64; 4],
-        residual: &mut Pixels,
-        trial: &mut Pixels,
-        trial_residual: &mut Pixels,
+        x: &mut Vec<Rgb>,
+        step: &[Rgb],
+        objective: &mut [f64; 3],
+        residual: &mut Vec<Rgb>,
+        trial: &mut Vec<Rgb>,
+        trial_residual: &mut Vec<Rgb>,
     ) {
-        let mut length = [1.0f32; 4];
+        let mut length = [1.0f32; 3];
         for halving in 0..12 {
             let start = &*x;
             trial.par_iter_mut().enumerate().with_min_len(BAND).for_each(|(i, value)| {
-                for c in 0..4 {
+                for c in 0..3 {
                     value[c] = (start[i][c] + length[c] * step[i][c]).clamp(0.0, 1.0);
                 }
             });
             let reached = self.residual(trial, trial_residual);
             let mut done = true;
-            for c in 0..4 {
+            for c in 0..3 {
                 if reached[c] > objective[c] {
                     done = false;
                     // A channel that no step improves stays as it is.

@@ -42,7 +42,7 @@ fn view_samples(size: usize, side: usize) -> ViewSamples {
             st.push(ball([u, v]).unwrap_or([f64::NAN; 2]));
         }
     }
-    ViewSamples { width: size, height: size, samples_per_pixel: side * side, st }
+    ViewSamples { size: [size; 2], each: side * side, st }
 }
 
 /// The ball's map, by Newton's method with difference quotients.
@@ -220,7 +220,7 @@ fn the_sparse_solution_is_within_a_tenth_of_a_decibel_of_the_dense_optimum() {
         matrix.iter().map(|row| seen.iter().map(|&i| row[i]).collect()).collect();
     let initial = Picture::filled(display, display, [0.5, 0.5, 0.5, 1.0]);
     for weighting in [Weighting::Linear, Weighting::Encoded] {
-        let best = optimal_display(&samples, &target, &initial, weighting).unwrap();
+        let best = optimal_display(&samples, target.clone(), initial.clone(), weighting).unwrap();
         let reached = view_through(&samples, &best.display).unwrap();
         assert!(best.display.pixels.iter().flatten().all(|value| (0.0..=1.0).contains(value)));
         for c in 0..3 {
@@ -267,11 +267,19 @@ fn the_transpose_is_the_transpose() {
     let mut pixels = noise_target(20).pixels;
     let y = pixels.split_off(100)[..].to_vec();
     let (x, y) = (noise_target(15).pixels[..221].to_vec(), [y, pixels].concat());
-    let mut ax = vec![[0.0; 4]; 400];
-    let mut aty = vec![[0.0; 4]; 221];
-    forward.multiply(&x, &mut ax, |_, value| (value, [0.0; 4]));
-    backward.multiply(&y, &mut aty, |_, value| (value, [0.0; 4]));
-    let dot = |a: &[[f32; 4]], b: &[[f32; 4]]| -> f64 {
+    let shown = Picture { width: 13, height: 17, pixels: x.clone() };
+    let view = view_through(&samples, &shown).unwrap();
+    let [x, y] = [x, y]
+        .map(|pixels| -> Vec<Rgb> { pixels.into_iter().map(|[r, g, b, _]| [r, g, b]).collect() });
+    let mut ax = vec![[0.0; 3]; 400];
+    let mut aty = vec![[0.0; 3]; 221];
+    forward.multiply(&x, &mut ax, |_, value, _| (value, [0.0; 3]));
+    backward.multiply(&y, &mut aty, |_, value, _| (value, [0.0; 3]));
+    for (product, seen) in ax.iter().zip(&view.pixels) {
+        // The matrix is the view, but for up to 16 weights of 16 bits, each less than a unit off.
+        assert!((0..3).all(|c| (product[c] - seen[c]).abs() < 16.0 / 65535.0));
+    }
+    let dot = |a: &[Rgb], b: &[Rgb]| -> f64 {
         a.iter().zip(b).map(|(a, b)| f64::from(a[0]) * f64::from(b[0])).sum()
     };
     let (left, right) = (dot(&ax, &y), dot(&x, &aty));
@@ -283,9 +291,9 @@ fn the_transpose_is_the_transpose() {
 fn an_identity_view_asks_for_the_target_itself() {
     let target = noise_target(16);
     let st = (0..256).map(|i| pixel_centre(i % 16, i / 16, 16, 16)).collect();
-    let samples = ViewSamples { width: 16, height: 16, samples_per_pixel: 1, st };
+    let samples = ViewSamples { size: [16; 2], each: 1, st };
     let black = Picture::filled(16, 16, [0.0, 0.0, 0.0, 1.0]);
-    let best = optimal_display(&samples, &target, &black, Weighting::Linear).unwrap();
+    let best = optimal_display(&samples, target.clone(), black, Weighting::Linear).unwrap();
     let scatter = scatter_average(&samples, &target, 16, 16).unwrap();
     for i in 0..256 {
         for c in 0..4 {
@@ -298,30 +306,33 @@ fn an_identity_view_asks_for_the_target_itself() {
 
 #[test]
 fn pixels_that_no_ray_reaches_stay_as_they_were() {
-    let samples =
-        ViewSamples { width: 2, height: 1, samples_per_pixel: 1, st: vec![[0.1, 0.1]; 2] };
+    let samples = ViewSamples { size: [2, 1], each: 1, st: vec![[0.1, 0.1]; 2] };
     let initial = noise_target(8);
-    let best = optimal_display(&samples, &noise_target(2), &initial, Weighting::Encoded);
+    let best = optimal_display(&samples, noise_target(2), initial.clone(), Weighting::Encoded);
     assert!(best.is_err());
     let target = Picture::filled(2, 1, [0.2, 0.9, 0.0, 1.0]);
-    let best = optimal_display(&samples, &target, &initial, Weighting::Encoded).unwrap().display;
+    let best = optimal_display(&samples, target.clone(), initial.clone(), Weighting::Encoded)
+        .unwrap()
+        .display;
     let changed = (0..64).filter(|&i| best.pixels[i] != initial.pixels[i]).count();
     assert!((1..=4).contains(&changed), "{changed}");
     let dark = ViewSamples { st: vec![[f64::NAN; 2]; 2], ..samples };
     assert_eq!(
-        optimal_display(&dark, &target, &initial, Weighting::Encoded).unwrap().display,
+        optimal_display(&dark, target, initial.clone(), Weighting::Encoded).unwrap().display,
         initial
     );
 }
 
 #[test]
 fn sizes_that_disagree_are_refused() {
-    let samples = ViewSamples { width: 2, height: 2, samples_per_pixel: 1, st: vec![[0.5; 2]; 3] };
+    let samples = ViewSamples { size: [2, 2], each: 1, st: vec![[0.5; 2]; 4] };
     let picture = noise_target(2);
-    let error = view_through(&samples, &picture).unwrap_err().to_string();
-    assert!(error.contains("3 rays"), "{error}");
-    let samples = ViewSamples { st: vec![[0.5; 2]; 4], ..samples };
-    assert!(optimal_display(&samples, &noise_target(3), &picture, Weighting::Linear).is_err());
+    let none = ViewSamples { size: [0, 2], each: 1, st: vec![] };
+    let error = view_through(&none, &picture).unwrap_err().to_string();
+    assert!(error.contains("0 x 2 pixels"), "{error}");
+    let best = optimal_display(&samples, noise_target(3), picture, Weighting::Linear);
+    assert!(best.is_err());
+    let picture = noise_target(2);
     assert!(scatter_average(&samples, &picture, 0, 5).is_err());
 }
 
@@ -345,7 +356,9 @@ fn the_best_image_beats_the_plain_filter_and_the_averaged_scatter_on_photographs
         let none = see(&display_image(&target, &Map::identity(size, size)));
         let scatter = see(&scatter_average(&samples, &target, size, size).unwrap());
         let best = |weighting| {
-            see(&optimal_display(&samples, &target, &plain, weighting).unwrap().display)
+            see(&optimal_display(&samples, target.clone(), plain.clone(), weighting)
+                .unwrap()
+                .display)
         };
         let (linear, encoded) = (best(Weighting::Linear), best(Weighting::Encoded));
         let plain = see(&plain);

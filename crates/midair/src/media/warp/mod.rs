@@ -6,6 +6,7 @@
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
+mod bilinear;
 mod deep;
 mod kernel;
 mod linear;
@@ -13,8 +14,9 @@ mod taps;
 
 pub use deep::DeepScratch;
 
-use crate::map::Map;
+use crate::map::{Inverse, Map, RowScratch};
 use rayon::prelude::*;
+use std::cell::RefCell;
 use std::ops::Range;
 use taps::{CubicTables, Plan};
 
@@ -76,13 +78,34 @@ impl Warp {
     /// # Errors
     /// [`WarpError::Source`] for a source of no pixels or of more than 2^30.
     pub fn new(map: &Map, source: [usize; 2], filter: Filter) -> Result<Self, WarpError> {
-        let pixels = source[0].checked_mul(source[1]);
-        if pixels.is_none_or(|n| n == 0 || n > 1 << 30) {
-            return Err(WarpError::Source(source[0], source[1]));
-        }
+        check_source(source)?;
         let plan = Plan::new(map, source, filter);
         let tables = (filter == Filter::Sharp).then(|| CubicTables::new(source));
         Ok(Self { width: map.width, height: map.height, source, plan, tables })
+    }
+
+    /// Prepares an inverse for bilinear warping, in the memory of a warp that is no longer needed: what a show does that follows its
+    /// viewer. Each row of the map is there only while its taps are made, so that of all that is computed for a new viewpoint
+    /// the taps alone go to memory.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn of_inverse(
+        inverse: &Inverse,
+        source: [usize; 2],
+        old: Option<Self>,
+    ) -> Result<Self, WarpError> {
+        thread_local! {
+            static SCRATCH: RefCell<RowScratch> = RefCell::default();
+        }
+        check_source(source)?;
+        let size = inverse.size();
+        let plan = Plan::bilinear(size, source, old.map(|old| old.plan), |rows, fill| {
+            SCRATCH.with_borrow_mut(|scratch| {
+                fill(inverse.rows(rows.start, rows.len(), scratch));
+            });
+        });
+        Ok(Self { width: size[0], height: size[1], source, plan, tables: None })
     }
 
     /// Width and height of the warped frame.
@@ -185,6 +208,13 @@ impl Warp {
 /// Working memory of [`Warp::apply_in_linear_light`].
 #[derive(Clone, Debug, Default)]
 pub struct LinearScratch(Vec<[i16; 4]>);
+
+fn check_source([width, height]: [usize; 2]) -> Result<(), WarpError> {
+    match width.checked_mul(height) {
+        Some(1..=0x4000_0000) => Ok(()),
+        _ => Err(WarpError::Source(width, height)),
+    }
+}
 
 fn check_frame<const C: usize>(width: usize, height: usize, found: usize) -> Result<(), WarpError> {
     check_frame_samples(width, height, C, found)

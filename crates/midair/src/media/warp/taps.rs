@@ -1,6 +1,7 @@
 //! What of a warp depends on the map alone.
 
 use super::Filter;
+use super::bilinear::{spans_of_row, tap_row};
 use crate::map::Map;
 use crate::media::interpolate::cubic_weights;
 use crate::media::resample::Footprint;
@@ -40,10 +41,11 @@ pub(super) struct Plan {
 impl Plan {
     pub(super) fn new(map: &Map, source: [usize; 2], filter: Filter) -> Self {
         match filter {
-            Filter::Bilinear => Self::single(map, |column, row| {
-                let [u, v] = map.uv[row * map.width + column];
-                (u.is_finite() && v.is_finite()).then(|| bilinear_tap([u, v], source))
-            }),
+            Filter::Bilinear => {
+                Self::bilinear([map.width, map.height], source, None, |rows, fill| {
+                    fill(&map.uv[rows.start * map.width..rows.end * map.width]);
+                })
+            }
             Filter::Sharp => {
                 let footprint =
                     |column: usize, row: usize| Footprint::new(map, source, column, row);
@@ -63,6 +65,33 @@ impl Plan {
                 if crowded.into_inner() { Self::several(map, source, footprint) } else { plan }
             }
         }
+    }
+
+    /// Bilinear taps in the memory of an earlier plan, from whole rows of uv: each call of `rows` is to hand those that it is asked
+    /// for on.
+    pub(super) fn bilinear(
+        [width, height]: [usize; 2],
+        source: [usize; 2],
+        old: Option<Self>,
+        rows: impl Fn(Range<usize>, &mut dyn FnMut(&[[f64; 2]])) + Sync,
+    ) -> Self {
+        let mut taps = old.map_or_else(Vec::new, |old| old.taps);
+        taps.resize(width * height, Tap::default());
+        let line = width.max(1);
+        let spans = taps
+            .par_chunks_mut(BAND * line)
+            .enumerate()
+            .map(|(band, taps)| {
+                let first = band * BAND;
+                let mut spans = Vec::new();
+                rows(first..first + taps.len() / line, &mut |uv| {
+                    tap_row(uv, source, taps);
+                    spans.extend(uv.chunks(line).map(spans_of_row));
+                });
+                spans
+            })
+            .collect::<Vec<_>>();
+        Self::with_spans(taps, None, spans.into_iter().flatten().collect())
     }
 
     /// Each pixel has one sample or none; a pixel's number is its sample's index.
@@ -155,6 +184,9 @@ impl Plan {
     }
 }
 
+/// Rows that one thread makes taps of at a time: few enough that their uv is still in its cache.
+const BAND: usize = 4;
+
 /// Adds a column to the runs of those before it.
 fn extend_spans(spans: &mut Vec<Range<u32>>, column: u32) {
     match spans.last_mut() {
@@ -163,18 +195,11 @@ fn extend_spans(spans: &mut Vec<Range<u32>>, column: u32) {
     }
 }
 
-/// The first of `span` neighbouring pixels and the way from the pixel below to the coordinate.
-fn split(coordinate: f64, size: usize, span: usize) -> (usize, f64) {
+/// The first of two neighbouring pixels and the way from there to the coordinate.
+fn split(coordinate: f64, size: usize) -> (usize, f64) {
     let x = coordinate.clamp(0.0, (size - 1) as f64);
-    let below = (x as usize).min(size.saturating_sub(span));
+    let below = (x as usize).min(size.saturating_sub(2));
     (below, x - below as f64)
-}
-
-fn bilinear_tap([u, v]: [f64; 2], source: [usize; 2]) -> Tap {
-    let (column, fx) = split(u * source[0] as f64 - 0.5, source[0], 2);
-    let (row, fy) = split((1.0 - v) * source[1] as f64 - 0.5, source[1], 2);
-    let fixed = |fraction: f64| (fraction * f64::from(ONE) + 0.5) as u16;
-    Tap { pixel: (row * source[0] + column) as u32, x: fixed(fx), y: fixed(fy) }
 }
 
 fn cubic_tap([x, y]: [f64; 2], source: [usize; 2]) -> Tap {
@@ -185,7 +210,7 @@ fn cubic_tap([x, y]: [f64; 2], source: [usize; 2]) -> Tap {
 
 /// The first of four pixels and the table row that holds their weights.
 fn cubic_axis(coordinate: f64, size: usize) -> (usize, u16) {
-    let (below, fraction) = split(coordinate, size, 2);
+    let (below, fraction) = split(coordinate, size);
     let step = (fraction * CUBIC_STEPS as f64 + 0.5) as usize;
     let (edge, first) = if size < 4 {
         // Too few pixels for four taps: the table is made for this size.

@@ -1,0 +1,140 @@
+//! The window, and what is drawn in it.
+
+use crate::letters::overlay;
+use crate::options::PlayError;
+use crate::show::Show;
+use crate::trial::Stages;
+use std::num::NonZeroU32;
+use std::rc::Rc;
+use std::time::Instant;
+use winit::dpi::PhysicalSize;
+use winit::event_loop::ActiveEventLoop;
+use winit::window::{Fullscreen, Window};
+
+/// The window and its pixels.
+pub(crate) struct Screen {
+    pub window: Rc<Window>,
+    surface: softbuffer::Surface<Rc<Window>, Rc<Window>>,
+}
+
+impl Show {
+    pub fn open(&self, events: &ActiveEventLoop) -> Result<Screen, PlayError> {
+        let wrong = |error: &dyn std::fmt::Display| PlayError::Window(error.to_string());
+        let [width, height] = self.options.size.unwrap_or(self.loaded.scene.display.resolution);
+        let mut attributes = Window::default_attributes()
+            .with_title(format!("midair: {}", self.loaded.scene.name))
+            .with_inner_size(PhysicalSize::new(width as u32, height as u32));
+        let monitors: Vec<_> = events.available_monitors().collect();
+        let monitor = match self.options.screen {
+            None => None,
+            Some(asked) => match monitors.get(asked) {
+                Some(monitor) => Some(monitor.clone()),
+                None => return Err(PlayError::Screen { asked, there: monitors.len() }),
+            },
+        };
+        if let Some(monitor) = &monitor {
+            attributes = attributes.with_position(monitor.position());
+        }
+        if self.options.fullscreen {
+            attributes = attributes.with_fullscreen(Some(Fullscreen::Borderless(monitor)));
+        }
+        let window = Rc::new(events.create_window(attributes).map_err(|error| wrong(&error))?);
+        window.set_cursor_visible(!self.options.fullscreen);
+        let context =
+            softbuffer::Context::new(Rc::clone(&window)).map_err(|error| wrong(&error))?;
+        let surface = softbuffer::Surface::new(&context, Rc::clone(&window))
+            .map_err(|error| wrong(&error))?;
+        Ok(Screen { window, surface })
+    }
+
+    /// Warps the newest frame by the newest map, and presents it.
+    pub fn draw(&mut self) {
+        let lines = if self.show_overlay { self.figures() } else { Vec::new() };
+        let Some(frame) = self.shown_frame().cloned() else { return };
+        let (Some(map), Some(screen)) = (&self.map, &mut self.screen) else { return };
+        let size = screen.window.inner_size();
+        let (Some(width), Some(height)) =
+            (NonZeroU32::new(size.width), NonZeroU32::new(size.height))
+        else {
+            return;
+        };
+        // A map for another window or source is on its way to be replaced.
+        if map.warp.size() != [size.width as usize, size.height as usize]
+            || map.source != frame.size
+        {
+            return;
+        }
+        let resized = screen.surface.resize(width, height);
+        let Ok(mut buffer) = resized.and_then(|()| screen.surface.buffer_mut()) else { return };
+        let started = Instant::now();
+        let pixels: &mut [u32] = &mut buffer;
+        // Frames are blue, green, red, nothing: on a little-endian machine the buffer's own form.
+        if map.warp.apply(&frame.bytes, 4, bytemuck::cast_slice_mut(pixels)).is_err() {
+            return;
+        }
+        if cfg!(target_endian = "big") {
+            pixels.iter_mut().for_each(|pixel| *pixel = pixel.swap_bytes());
+        }
+        overlay(pixels, size.width as usize, &lines);
+        let drawn = Instant::now();
+        screen.window.pre_present_notify();
+        if buffer.present().is_err() {
+            return;
+        }
+        let now = Instant::now();
+        self.presented.push_back(now);
+        while self.presented.len() > 60 {
+            self.presented.pop_front();
+        }
+        // A viewpoint counts once, when it is first seen.
+        if let Some(map) = &mut self.map
+            && let Some((number, came)) = map.packet.take()
+        {
+            let delay = now.duration_since(came).as_secs_f64();
+            self.delay = Some(self.delay.map_or(delay, |known| 0.9 * known + 0.1 * delay));
+            if let Some(left) =
+                self.departures.as_ref().and_then(|departures| departures.of(number))
+            {
+                let ms = |from: Instant, to: Instant| 1e3 * to.duration_since(from).as_secs_f64();
+                self.shown.push(Stages {
+                    whole: ms(left, now),
+                    solve: 1e3 * map.seconds,
+                    draw: ms(started, drawn),
+                    present: ms(drawn, now),
+                });
+            }
+        }
+    }
+
+    fn figures(&self) -> Vec<String> {
+        let rate = match (self.presented.front(), self.presented.back()) {
+            (Some(first), Some(last)) if last > first => {
+                (self.presented.len() - 1) as f64 / last.duration_since(*first).as_secs_f64()
+            }
+            _ => 0.0,
+        };
+        let mut lines = vec![format!(
+            "{rate:.0} frames/s   map {:.1} ms",
+            self.map.as_ref().map_or(0.0, |map| 1e3 * map.seconds)
+        )];
+        if let Some(map) = &self.map {
+            let (eye, followed) =
+                (map.viewpoint, if self.tracked.is_some() { " (followed)" } else { "" });
+            lines.push(format!("eye {:.1} {:.1} {:.1} mm{followed}", eye.x, eye.y, eye.z));
+        }
+        if let Some(delay) = self.delay {
+            lines.push(format!("packet to screen {:.1} ms", 1e3 * delay));
+        }
+        lines.push(format!("nudging: {}", self.target.name(&self.loaded)));
+        if self.uncompensated {
+            lines.push("uncompensated".to_owned());
+        }
+        lines.extend(
+            self.message
+                .as_ref()
+                .filter(|(_, time)| time.elapsed().as_secs() < 5)
+                .map(|(text, _)| text.clone()),
+        );
+        lines
+    }
+}

@@ -1,0 +1,69 @@
+//! How the show is run, and why it may not be.
+
+use crate::source::SourceKind;
+use crate::steady::OneEuro;
+use crate::tracker::{Calibration, Protocol};
+use crate::trial::Trial;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// How the show is run.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// What is shown.
+    pub source: SourceKind,
+    /// Pixels of the window; `None`: the display's.
+    pub size: Option<[usize; 2]>,
+    /// Whether the window fills its screen.
+    pub fullscreen: bool,
+    /// Which screen, from 0; `None`: the system's choice.
+    pub screen: Option<usize>,
+    /// Who tells where the viewer is, and on which port.
+    pub tracker: Option<(Protocol, u16)>,
+    /// From the tracker's frame to the scene's.
+    pub calibration: Calibration,
+    /// Smoothing; `None`: none.
+    pub smoothing: Option<OneEuro>,
+    /// How far ahead the viewer is looked for, s; `None`: the measured latency.
+    pub predict: Option<f64>,
+    /// Whether figures are shown from the beginning.
+    pub overlay: bool,
+    /// Where a nudged scene is saved.
+    pub save_to: PathBuf,
+    /// The show ends by itself.
+    pub end_after: Option<Duration>,
+    /// Latency is measured with a synthetic tracker, and the show ends with it.
+    pub trial: Option<Trial>,
+}
+
+/// Why there is no show.
+#[derive(Debug, thiserror::Error)]
+pub enum PlayError {
+    /// No window can be opened.
+    #[error(
+        "no window can be opened: {0}; a screen is needed (on a machine without one, xvfb-run gives a virtual one)"
+    )]
+    Window(String),
+    /// The tracker's port cannot be had.
+    #[error("port {port}: {source}; choose another, or end the program that has it")]
+    Port {
+        /// The port.
+        port: u16,
+        /// The operating system's word.
+        source: std::io::Error,
+    },
+    /// The source has no frames.
+    #[error("{0}")]
+    Source(String),
+    /// The scene cannot be solved.
+    #[error("{0}")]
+    Solve(String),
+    /// There is no such screen.
+    #[error("there is no screen {asked}; there are {there}, counted from 0")]
+    Screen {
+        /// The one asked for.
+        asked: usize,
+        /// How many there are.
+        there: usize,
+    },
+}
