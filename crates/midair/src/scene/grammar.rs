@@ -339,7 +339,8 @@ static DISPLAY: Block = block(
             Kind::File,
             None,
             Need::Optional,
-            "Its radiance by angle from its normal as measured: a CSV file (angle,radiance or angle,red,green,blue), relative to the              scene file; left out: alike in all directions (Lambert).",
+            "Its radiance by angle from its normal as measured: a CSV file (angle,radiance or angle,red,green,blue), relative to the \
+             scene file; left out: alike in all directions (Lambert).",
         ),
         optional(
             "black",
