@@ -1,13 +1,43 @@
 //! What stands on the command line: sizes, points, formats; and the files that it names.
 
 use crate::failure::Failure;
+use clap::ValueEnum;
 use clap::builder::PossibleValuesParser;
 use clap::builder::TypedValueParser as _;
 use midair::map::format::{Format, MAX_PIXELS};
-use midair::media::{Still, read_still};
+use midair::media::{Overflow, Still, read_still};
 use midair::scene::{Loaded, load};
 use std::path::Path;
 use std::str::FromStr;
+
+/// What is done where evening the brightness out would take a brighter display.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum GainMode {
+    /// The image is as bright as its most demanding pixel allows: nothing clips
+    Fit,
+    /// A white image clips at a tenth of its pixels
+    Clip,
+    /// As clip, with a soft shoulder instead of an edge
+    Soft,
+}
+
+impl GainMode {
+    pub fn overflow(self) -> Overflow {
+        match self {
+            Self::Fit => Overflow::Fit,
+            Self::Clip => Overflow::Clip,
+            Self::Soft => Overflow::Soft,
+        }
+    }
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fit => "fit",
+            Self::Clip => "clip",
+            Self::Soft => "soft",
+        }
+    }
+}
 
 /// Width and height in pixels, written `1024x768`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -69,7 +69,15 @@ impl Show {
         let started = Instant::now();
         let pixels: &mut [u32] = &mut buffer;
         // Frames are blue, green, red, nothing: on a little-endian machine the buffer's own form.
-        if map.warp.apply(&frame.bytes, 4, bytemuck::cast_slice_mut(pixels)).is_err() {
+        let bytes = bytemuck::cast_slice_mut(pixels);
+        let warped = match &self.drive {
+            None => map.warp.apply(&frame.bytes, 4, bytes),
+            Some(drive) => self
+                .light
+                .decode(&frame.bytes, 4)
+                .and_then(|()| map.warp.apply_light(&self.light, 4, drive, bytes)),
+        };
+        if warped.is_err() {
             return;
         }
         if cfg!(target_endian = "big") {

@@ -9,7 +9,7 @@ use crate::steady::Steady;
 use crate::tracker::{Calibration, Protocol, Reading, listen};
 use crate::trial::{Departures, Latency, Stages, latency, send};
 use midair::geometry::Vec3;
-use midair::media::Warp;
+use midair::media::{Drive, LightFrame, Warp};
 use midair::scene::Loaded;
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -94,7 +94,6 @@ pub fn run(loaded: Loaded, options: Options) -> Result<(Option<Latency>, Vec<Pat
         show_overlay: options.overlay,
         proxy,
         port,
-        loaded: Arc::new(loaded),
         options,
         requests: Arc::clone(&requests),
         solved,
@@ -103,6 +102,8 @@ pub fn run(loaded: Loaded, options: Options) -> Result<(Option<Latency>, Vec<Pat
         paused,
         screen: None,
         map: None,
+        drive: (!loaded.screen.is_plain()).then(|| Drive::of_screen(&loaded.screen, [2, 1, 0])),
+        light: LightFrame::default(),
         frame: None,
         lattice,
         show_lattice: false,
@@ -118,6 +119,7 @@ pub fn run(loaded: Loaded, options: Options) -> Result<(Option<Latency>, Vec<Pat
         message: None,
         saved: Vec::new(),
         failure: None,
+        loaded: Arc::new(loaded),
     };
     let ran = events.run_app(&mut show);
     gone.store(true, Ordering::Relaxed);
@@ -143,6 +145,11 @@ pub(crate) struct Show {
     pub paused: Arc<AtomicBool>,
     pub screen: Option<Screen>,
     pub map: Option<Solved>,
+    /// The codes of a display with a response of its own, blue first. For a plain one codes are interpolated as they are: through
+    /// light it takes four times as long.
+    pub drive: Option<Drive>,
+    /// The frame's light, for such a display.
+    pub light: LightFrame,
     pub frame: Option<Frame>,
     pub lattice: Frame,
     pub show_lattice: bool,

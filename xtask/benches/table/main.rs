@@ -4,6 +4,7 @@
 //! of them alike. A row's figure is the median of its rounds. Its memory is the highest resident size of a
 //! process of its own that does nothing else.
 
+mod live;
 mod memory;
 mod mitsuba;
 mod rows;
@@ -31,6 +32,7 @@ fn main() -> Outcome<()> {
     if let Some(name) = value(memory::ONCE) {
         let mut rows = rows::of_midair(&sizes);
         rows.extend(warp::rows(&sizes));
+        rows.extend(live::rows(&sizes));
         return match rows.into_iter().find(|row| row.name == name) {
             Some(row) => row.prepare().map(|mut work| drop(work())),
             None => Err(format!("no row `{name}`").into()),
@@ -42,6 +44,7 @@ fn main() -> Outcome<()> {
     }
     let mut rows = rows::of_midair(&sizes);
     rows.extend(warp::rows(&sizes));
+    rows.extend(live::rows(&sizes));
     rows.extend(mitsuba::rows(&sizes));
     if let Some(only) = value("--only") {
         rows.retain(|row| row.name.contains(&only));

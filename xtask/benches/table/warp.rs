@@ -48,7 +48,8 @@ pub fn rows(sizes: &Sizes) -> Vec<Row> {
         }
         if let Some(version) = &version {
             for maps in ["float", "fixed"] {
-                let label = format!("OpenCV {version} remap, bilinear, {maps} maps, {name}");
+                let label =
+                    format!("warp by OpenCV {version} remap, bilinear, {maps} maps, {name}");
                 let mut row = Row::new(&label, rounds, move || theirs(size, maps));
                 row.watch_memory = false;
                 rows.push(row);

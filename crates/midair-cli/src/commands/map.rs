@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::summary::{Counts, Voice, milliseconds, paths, timings, wrote};
 use clap::Subcommand;
-use midair::map::format::{Format, read_map, write_map};
+use midair::map::format::{Format, read_map, write_map_and_gain};
 use midair::map::{bleed, reversed};
 use serde_json::json;
 use std::path::PathBuf;
@@ -100,7 +100,19 @@ fn convert(arguments: &Convert, voice: Voice) -> Result<(), Failure> {
     let start = Instant::now();
     let loaded = read_map(&arguments.input, arguments.from, given).map_err(told)?;
     let mut notes = loaded.notes;
-    let mut map = loaded.map;
+    let (mut map, mut gain) = (loaded.map, loaded.gain);
+    let left_out = match to {
+        _ if arguments.forward => {
+            Some("it is of the display's pixels, and this map has the picture's")
+        }
+        Format::Exr | Format::ExrHalf => None,
+        _ => Some("this kind of map has no place for it"),
+    };
+    if let Some(why) = left_out
+        && gain.take().is_some()
+    {
+        notes.push(format!("the map's gain is left out: {why}"));
+    }
     let read = start.elapsed();
 
     let start = Instant::now();
@@ -118,7 +130,8 @@ fn convert(arguments: &Convert, voice: Voice) -> Result<(), Failure> {
 
     let (mut output, name) = Output::of_file(&arguments.output)?;
     let start = Instant::now();
-    let written = output.write(&name, |path| write_map(&map, source, to, path))?;
+    let written =
+        output.write(&name, |path| write_map_and_gain(&map, gain.as_ref(), source, to, path))?;
     notes.extend(written.notes.into_iter().map(|note| match note.split_once(": ") {
         Some((_, rest)) => format!("{name}: {rest}"),
         None => note,

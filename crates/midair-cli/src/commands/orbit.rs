@@ -22,7 +22,7 @@ use std::time::Instant;
 
 /// Walk around: the views from -15 to 15 degrees with the map of one viewpoint, and with a map that follows the viewer
 ///
-/// Writes orbit.html (strips, a chart of the lattice's displacement), strip-fixed.png, strip-tracked.png, orbit.mp4 (fixed left, tracked right; needs ffmpeg)
+/// Writes orbit.html (strips, a chart of the lattice's displacement), displacement.svg (the chart), strip-fixed.png, strip-tracked.png, orbit.mp4 (fixed left, tracked right; needs ffmpeg)
 /// and orbit.json.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  midair orbit scene.toml --out out\n  \
@@ -118,7 +118,11 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         }
     }
     bar.finish();
-    let page = page(&loaded.scene.name, &stations, &settings, &setup, &strips, &notes)?;
+    let chart = chart(&stations, &settings, &setup);
+    output.write("displacement.svg", |path| {
+        write_bytes_atomically(path, chart.to_svg_file().as_bytes())
+    })?;
+    let page = page(&loaded.scene.name, &stations, &settings, &setup, chart, &strips, &notes)?;
     output.write("orbit.html", |path| write_bytes_atomically(path, page.to_html().as_bytes()))?;
     let millimetres = setup.image.size[0] * settings.window / settings.view[0] as f64;
     let mut report = json!({
@@ -181,6 +185,20 @@ fn told(station: &Station) -> Value {
     })
 }
 
+/// The lattice's mean displacement over the azimuth.
+fn chart(stations: &[Station], settings: &Settings, setup: &Setup) -> LineChart {
+    let mm = setup.image.size[0] * settings.window / settings.view[0] as f64;
+    let series = |name: &str, pick: Pick| Series {
+        name: name.to_owned(),
+        points: stations.iter().map(|s| [s.azimuth, pick(s).exact.mean * mm]).collect(),
+    };
+    LineChart {
+        x_label: "azimuth, degrees".to_owned(),
+        y_label: "mean displacement of the lattice, mm".to_owned(),
+        series: vec![series("fixed map", fixed), series("map that follows", tracked)],
+    }
+}
+
 /// The views side by side, there and back.
 fn film(
     setup: &Setup,
@@ -227,19 +245,11 @@ fn page(
     stations: &[Station],
     settings: &Settings,
     setup: &Setup,
+    chart: LineChart,
     strips: &[(&str, Picture)],
     notes: &[String],
 ) -> Result<Page, Failure> {
     let mm = setup.image.size[0] * settings.window / settings.view[0] as f64;
-    let series = |name: &str, pick: Pick| Series {
-        name: name.to_owned(),
-        points: stations.iter().map(|s| [s.azimuth, pick(s).exact.mean * mm]).collect(),
-    };
-    let chart = LineChart {
-        x_label: "azimuth, degrees".to_owned(),
-        y_label: "mean displacement of the lattice, mm".to_owned(),
-        series: vec![series("fixed map", fixed), series("map that follows", tracked)],
-    };
     let worst =
         |pick: Pick| stations.iter().map(|s| pick(s).exact.mean * mm).fold(f64::NAN, f64::max);
     let row = |label: &str, value: f64, note: &str| SummaryRow {

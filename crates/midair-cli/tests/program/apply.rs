@@ -1,8 +1,8 @@
 //! `midair apply`, with the real ffmpeg; where that is missing, films are skipped with a note.
 
 use super::{Bench, waves};
-use midair::map::format::{Format, write_map};
-use midair::map::{Map, Status};
+use midair::map::format::{Format, read_map, write_map, write_map_and_gain};
+use midair::map::{Gain, Map, Status};
 use midair::media::video::{Decoder, probe};
 use midair::media::{Depth, display_image, read_still, srgb, write_still};
 use std::process::{Child, Command, Stdio};
@@ -367,4 +367,73 @@ fn films_are_made_of_pictures_and_pictures_of_films() {
         let back = read_still(&bench.path(&format!("back/{:03}.png", number + 1))).unwrap().picture;
         assert!(given.pixels == back.pixels, "{number}");
     }
+}
+
+#[test]
+fn a_maps_gain_is_divided_out_of_stills_and_films_and_survives_conversion() {
+    let bench = Bench::new();
+    let map = Map::identity(32, 24);
+    // From left to right a half, three quarters, all of the light arrives; without blue's last tenth.
+    let of = |i: usize| [0.5f32, 0.75, 1.0][(i % 32) / 11];
+    let rgb: Vec<[f32; 3]> = (0..32 * 24).map(|i| [of(i), of(i), 0.9 * of(i)]).collect();
+    let gain = Gain { width: 32, height: 24, rgb };
+    write_map_and_gain(&map, Some(&gain), [32, 24], Format::Exr, &bench.path("map.exr")).unwrap();
+    let half = midair::media::Picture::filled(32, 24, [0.5, 0.5, 0.5, 1.0]);
+    write_still(&bench.path("a.exr"), &half, Depth::Float).unwrap();
+
+    // A still is as bright as it can be: its worst pixel, blue on the left, sends all that there is.
+    let told = bench.json(&["apply", "map.exr", "a.exr", "even.exr"]);
+    assert!(told["notes"][0].as_str().unwrap().contains("white is 90.0 %"), "{told}");
+    let shown = read_still(&bench.path("even.exr")).unwrap().picture;
+    for (pixel, gain) in shown.pixels.iter().zip(&gain.rgb) {
+        for c in 0..3 {
+            // Light 0.5 at level 0.45 / 0.5; half floats have 11 bits.
+            assert!((pixel[c] * gain[c] - 0.45).abs() < 0.45 / 1024.0, "{pixel:?}");
+        }
+    }
+    bench.json(&["apply", "map.exr", "a.exr", "plain.exr", "--no-gain"]);
+    assert_eq!(read_still(&bench.path("plain.exr")).unwrap().picture, half);
+
+    // Converted it is there still; where it has no place, that is said.
+    bench.json(&["map", "convert", "map.exr", "half.exr", "--to", "exr-half"]);
+    let kept = read_map(&bench.path("half.exr"), None, None).unwrap().gain.unwrap();
+    let close = |(a, b): (&[f32; 3], &[f32; 3])| (0..3).all(|c| (a[c] - b[c]).abs() < 1e-3);
+    assert!(kept.rgb.iter().zip(&gain.rgb).all(close));
+    let told =
+        bench.json(&["map", "convert", "map.exr", "m.npy", "--to", "opencv", "--source", "32x24"]);
+    assert!(told["notes"].to_string().contains("gain is left out"), "{told}");
+    let output = bench
+        .command(&["apply", "m_x.npy", "a.exr", "b.exr", "--from", "opencv", "--gain", "fit"])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!output.status.success() && said.contains("this map has no gain"), "{said}");
+
+    // Numbered pictures and films are at the level of white, 0.45, whatever they show.
+    write_still(&bench.path("n1.png"), &half, Depth::Eight).unwrap();
+    write_still(&bench.path("n2.png"), &half, Depth::Eight).unwrap();
+    let level = |pixels: &[[f32; 4]], tolerance: f32| {
+        for (pixel, gain) in pixels.iter().zip(&gain.rgb) {
+            for c in 0..3 {
+                let seen = pixel[c] * gain[c];
+                assert!((seen - 0.225).abs() < tolerance, "{pixel:?} {gain:?}");
+            }
+        }
+    };
+    bench.json(&["apply", "map.exr", "n%d.png", "s%d.png"]);
+    // A code of sRGB near 0.25 to 0.5 is 0.004 to 0.006 of light; half of one each at reading and writing.
+    level(&read_still(&bench.path("s2.png")).unwrap().picture.pixels, 0.006);
+    if no_ffmpeg() {
+        return;
+    }
+    let to = ["apply", "map.exr", "n%d.png", "film.mkv", "--", "-c:v", "ffv1", "-pix_fmt", "gbrp"];
+    bench.json(&to);
+    let (_, film) = frames(&bench, "film.mkv").pop().unwrap();
+    let pixels: Vec<[f32; 4]> = film
+        .as_chunks::<3>()
+        .0
+        .iter()
+        .map(|p| [srgb::decode_8(p[0]), srgb::decode_8(p[1]), srgb::decode_8(p[2]), 1.0])
+        .collect();
+    level(&pixels, 0.006);
 }

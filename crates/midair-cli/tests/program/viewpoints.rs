@@ -27,7 +27,9 @@ fn walking_around_with_a_fixed_map_and_with_one_that_follows() {
     }
     assert!(mean(1, "fixed") < 0.05 && mean(0, "fixed") > 1.0, "{told}");
     let names = bench.names("out");
-    for name in ["orbit.html", "orbit.json", "strip-fixed.png", "strip-tracked.png"] {
+    for name in
+        ["orbit.html", "orbit.json", "displacement.svg", "strip-fixed.png", "strip-tracked.png"]
+    {
         assert!(names.iter().any(|n| n == name), "{names:?}");
     }
     let strip = read_still(&bench.path("out/strip-fixed.png")).unwrap().picture;

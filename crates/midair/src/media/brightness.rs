@@ -28,70 +28,118 @@ pub struct Evened {
     pub clipped: f64,
 }
 
+/// A gain made ready to be divided out of one display image after another, at one level.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Evening {
+    /// What the light of each pixel and colour is multiplied by: level over gain; 1 where there is no answer.
+    factors: Vec<[f32; 3]>,
+    /// How many pixels have an answer.
+    answered: usize,
+    level: f64,
+    soft: bool,
+}
+
 /// Where `Overflow::Soft` begins.
-const KNEE: f64 = 0.8;
+const KNEE: f32 = 0.8;
+
+impl Evening {
+    /// The level at which a white image is shown as `overflow` says: that of all pictures of a film, so that none is
+    /// brighter than another.
+    pub fn for_white(gain: &Gain, overflow: Overflow) -> Self {
+        Self::new(gain, overflow, gain.rgb.iter().map(|_| [1.0; 3]))
+    }
+
+    /// The level that lets a display image be shown as `overflow` says.
+    fn new(gain: &Gain, overflow: Overflow, image: impl Iterator<Item = [f32; 3]>) -> Self {
+        let answered = || gain.rgb.iter().filter(|gain| is_answered(gain));
+        let level = match overflow {
+            Overflow::Fit => image
+                .zip(&gain.rgb)
+                .filter(|(_, gain)| is_answered(gain))
+                .flat_map(|(pixel, gain)| {
+                    (0..3)
+                        .filter(move |&c| pixel[c] > 0.0)
+                        .map(move |c| f64::from(gain[c]) / f64::from(pixel[c]))
+                })
+                .fold(f64::INFINITY, f64::min),
+            Overflow::Clip | Overflow::Soft => {
+                let mut least: Vec<f32> = answered()
+                    .map(|gain| gain.iter().copied().fold(f32::INFINITY, f32::min))
+                    .collect();
+                let tenth = least.len() / 10;
+                match least.is_empty() {
+                    true => f64::INFINITY,
+                    false => f64::from(*least.select_nth_unstable_by(tenth, f32::total_cmp).1),
+                }
+            }
+        };
+        // Nothing lit: any level will do.
+        let level = if level.is_finite() { level } else { 1.0 };
+        let factor = |gain: &[f32; 3]| match is_answered(gain) {
+            // Finite, so that no light at all times no gain at all is no light.
+            true => gain.map(|g| (level / f64::from(g)).min(f64::from(f32::MAX)) as f32),
+            false => [1.0; 3],
+        };
+        let factors = gain.rgb.iter().map(factor).collect();
+        Self { factors, answered: answered().count(), level, soft: overflow == Overflow::Soft }
+    }
+
+    /// How bright white is in the mid-air image, over the display's white.
+    pub fn level(&self) -> f64 {
+        self.level
+    }
+
+    /// How many pixels it is for.
+    pub(super) fn pixels(&self) -> usize {
+        self.factors.len()
+    }
+
+    /// Divides the gain out of a display image of its size. Returns the share of its samples that the display's white was not bright
+    /// enough for.
+    pub fn apply(&self, display: &mut Picture) -> f64 {
+        let mut clipped = 0usize;
+        for (index, pixel) in display.pixels.iter_mut().enumerate().take(self.factors.len()) {
+            for c in 0..3 {
+                let light = pixel[c].max(0.0);
+                // Rounding of the level's own pixel is no clipping.
+                clipped += usize::from(self.wanted(index, c, light) > 1.0 + 1e-6);
+                pixel[c] = self.emitted(index, c, light);
+            }
+        }
+        clipped as f64 / (3 * self.answered).max(1) as f64
+    }
+
+    /// What colour `c` of a pixel would have to emit so that the viewer sees this light at the level; above 1 the display
+    /// cannot.
+    #[inline(always)]
+    fn wanted(&self, pixel: usize, c: usize, light: f32) -> f32 {
+        light * self.factors[pixel][c]
+    }
+
+    /// What colour `c` of a pixel is to emit, at most 1.
+    #[inline(always)]
+    pub(super) fn emitted(&self, pixel: usize, c: usize, light: f32) -> f32 {
+        let wanted = self.wanted(pixel, c, light);
+        if self.soft && wanted > KNEE { roll_off(wanted).min(1.0) } else { wanted.min(1.0) }
+    }
+}
+
+fn is_answered(gain: &[f32; 3]) -> bool {
+    gain.iter().all(|g| g.is_finite())
+}
 
 /// Divides the gain out of a display image, so that the mid-air image shows the picture with one brightness all over: the viewer sees
 /// `level` times the picture. Linear light; alpha is kept, and pixels without an answer stay.
 pub fn even_out(display: &Picture, gain: &Gain, overflow: Overflow) -> Evened {
-    let answered = || {
-        display.pixels.iter().zip(&gain.rgb).filter(|(_, gain)| gain.iter().all(|g| g.is_finite()))
-    };
-    let level = match overflow {
-        Overflow::Fit => {
-            let allowed = answered().flat_map(|(pixel, gain)| {
-                (0..3).filter(|&c| pixel[c] > 0.0).map(|c| f64::from(gain[c]) / f64::from(pixel[c]))
-            });
-            allowed.fold(f64::INFINITY, f64::min)
-        }
-        Overflow::Clip | Overflow::Soft => {
-            let mut least: Vec<f32> = answered()
-                .map(|(_, gain)| gain.iter().copied().fold(f32::INFINITY, f32::min))
-                .collect();
-            let tenth = least.len() / 10;
-            match least.is_empty() {
-                true => f64::INFINITY,
-                false => f64::from(*least.select_nth_unstable_by(tenth, f32::total_cmp).1),
-            }
-        }
-    };
-    // Nothing lit: any level will do.
-    let level = if level.is_finite() { level } else { 1.0 };
-    let (mut clipped, mut samples) = (0usize, 0usize);
-    let pixels = display
-        .pixels
-        .iter()
-        .zip(&gain.rgb)
-        .map(|(pixel, gain)| {
-            if gain.iter().any(|g| !g.is_finite()) {
-                return *pixel;
-            }
-            let mut out = *pixel;
-            for c in 0..3 {
-                samples += 1;
-                let wanted = level * f64::from(pixel[c]);
-                // No light arrives, and none is wanted.
-                let emitted = if wanted > 0.0 { wanted / f64::from(gain[c]) } else { 0.0 };
-                // Rounding of the level's own pixel is no clipping.
-                clipped += usize::from(emitted > 1.0 + 1e-6);
-                let emitted = match overflow {
-                    Overflow::Soft if emitted > KNEE => roll_off(emitted),
-                    _ => emitted,
-                };
-                out[c] = emitted.min(1.0) as f32;
-            }
-            out
-        })
-        .collect();
-    Evened {
-        display: Picture { width: display.width, height: display.height, pixels },
-        level,
-        clipped: clipped as f64 / samples.max(1) as f64,
-    }
+    let colours = display.pixels.iter().map(|&[r, g, b, _]| [r, g, b]);
+    let evening = Evening::new(gain, overflow, colours);
+    let mut display = display.clone();
+    let clipped = evening.apply(&mut display);
+    Evened { display, level: evening.level, clipped }
 }
 
 /// From the knee on towards 1, at first with slope 1.
-fn roll_off(x: f64) -> f64 {
+fn roll_off(x: f32) -> f32 {
     let room = 1.0 - KNEE;
     KNEE + room * (1.0 - (-(x - KNEE) / room).exp())
 }
@@ -145,7 +193,27 @@ mod tests {
         // Below the knee nothing is changed.
         let last = evened.level * 0.9 / 0.8;
         assert!((f64::from(shown[39]) - last).abs() < 1e-6);
-        assert!((roll_off(KNEE + 1e-6) - KNEE - 1e-6).abs() < 1e-11);
+        // At first with slope 1: the next term, step^2 / 0.4, and single precision (6e-8, twice).
+        assert!((roll_off(KNEE + 1e-3) - KNEE - 1e-3).abs() < 3e-6);
+    }
+
+    #[test]
+    fn a_film_has_one_level_that_white_is_shown_at() {
+        let gain = gain(vec![[0.9, 0.8, 0.9], [0.5, 0.4, 0.5], [f32::NAN; 3]]);
+        for overflow in [Overflow::Fit, Overflow::Clip, Overflow::Soft] {
+            let film = Evening::for_white(&gain, overflow);
+            let white = even_out(&grey(&[1.0; 3]), &gain, overflow);
+            assert_eq!(film.level(), white.level);
+            for (pixel, shown) in white.display.pixels.iter().enumerate() {
+                assert_eq!([0, 1, 2].map(|c| film.emitted(pixel, c, 1.0)), shown[..3]);
+            }
+        }
+        // A darker picture alone could be shown brighter; within a film it is not.
+        let dim = even_out(&grey(&[0.5; 3]), &gain, Overflow::Fit);
+        let film = Evening::for_white(&gain, Overflow::Fit);
+        assert!((dim.level - 0.8).abs() < 1e-7 && (film.level() - 0.4).abs() < 1e-7);
+        // Half of white is half of what white takes: 0.4 / 0.9 / 2.
+        assert!((film.emitted(0, 0, 0.5) - 0.4 / 0.9 / 2.0).abs() < 1e-6);
     }
 
     #[test]

@@ -14,11 +14,11 @@ mod warp;
 
 pub use crate::map::format::FileError;
 pub use crate::optics::srgb;
-pub use brightness::{Evened, Overflow, even_out};
+pub use brightness::{Evened, Evening, Overflow, even_out};
 pub use curve::Curve;
 pub use picture::Picture;
 pub use resample::{display_image, display_image_by_colour};
 pub use screen::{Driven, drive, emitted};
 pub use sequence::Sequence;
 pub use still::{Depth, Still, decode_still, read_still, write_still};
-pub use warp::{DeepScratch, Filter, LinearScratch, Warp, WarpError};
+pub use warp::{DeepScratch, Drive, Filter, LightFrame, Warp, WarpError};

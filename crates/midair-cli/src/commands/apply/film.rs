@@ -1,90 +1,34 @@
 //! Films: frame by frame, piece by piece.
 
-use super::Arguments;
+use super::frames::{Frame, Frames, WAITING};
 use super::parts::{Job, Piece, extension, in_a_row};
+use super::warper::{Warper, picture};
+use super::{Arguments, Ready};
 use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::summary::{Counts, Voice, milliseconds};
 use midair::evaluate::proof::Watch as _;
 use midair::map::Map;
 use midair::map::format::FileError;
-use midair::media::video::{
-    Colour, Decoder, Encoder, Film, Recipe, Timing, VideoError, join, probe,
-};
-use midair::media::{
-    Curve, DeepScratch, Depth, LinearScratch, Picture, Sequence, Warp, WarpError, read_still, srgb,
-    write_still,
-};
+use midair::media::video::{Colour, Encoder, Film, Recipe, VideoError, join, probe};
+use midair::media::{Curve, Depth, Evening, Sequence, read_still, write_still};
 use serde_json::{Value, json};
 use std::path::Path;
-use std::sync::mpsc::{Receiver, sync_channel};
+use std::sync::mpsc::sync_channel;
 use std::time::{Duration, Instant};
-
-/// A frame's bytes and when it is shown.
-type Frame = (Vec<u8>, Timing);
-
-/// Frames that may wait between reading, warping and writing.
-const WAITING: usize = 3;
-
-/// A map made ready, and how its frames are coded.
-struct Warper {
-    warp: Warp,
-    deep: bool,
-    curve: Curve,
-    linear: LinearScratch,
-    scratch: DeepScratch,
-    samples: [Vec<u16>; 2],
-}
-
-impl Warper {
-    fn new(
-        arguments: &Arguments,
-        map: &Map,
-        size: [usize; 2],
-        deep: bool,
-        curve: Curve,
-    ) -> Result<Self, Failure> {
-        let warp = Warp::new(map, size, arguments.filter()).map_err(unfit)?;
-        let (linear, scratch) = (LinearScratch::default(), DeepScratch::default());
-        Ok(Self { warp, deep, curve, linear, scratch, samples: [Vec::new(), Vec::new()] })
-    }
-
-    /// The display's frame for a film's frame.
-    fn apply(&mut self, frame: &[u8]) -> Result<Vec<u8>, Failure> {
-        let [width, height] = self.warp.size();
-        if !self.deep {
-            let mut output = vec![0; width * height * 3];
-            self.warp
-                .apply_in_linear_light(frame, 3, &mut self.linear, &mut output)
-                .map_err(unfit)?;
-            return Ok(output);
-        }
-        let [input, output] = &mut self.samples;
-        input.clear();
-        input.extend(frame.as_chunks::<2>().0.iter().map(|&bytes| u16::from_le_bytes(bytes)));
-        output.resize(width * height * 3, 0);
-        self.warp.apply_deep(input, self.curve, &mut self.scratch, output).map_err(unfit)?;
-        Ok(output.iter().flat_map(|sample| sample.to_le_bytes()).collect())
-    }
-}
-
-/// A frame that is not of the film's size.
-fn unfit(error: WarpError) -> Failure {
-    Failure::new(
-        format!("the frames cannot be warped: {error}"),
-        "a film whose size changes on its way: make it of one size first (ffmpeg -vf scale=W:H)",
-    )
-}
 
 /// A film made of a film.
 pub fn of_film(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let film = open(arguments)?;
-    let (map, mut notes) = arguments.read_map(film.size)?;
+    let mut ready = arguments.read_map(film.size)?;
+    let evening = ready.evening();
+    let Ready { map, mut notes, .. } = ready;
     let deep = film.deep || film.colour.curve() != Curve::Srgb;
     notes.extend(remarks(&film));
     let work = Work {
         arguments,
         map: &map,
+        evening,
         deep,
         rate: film.rate,
         colour: &film.colour,
@@ -101,13 +45,16 @@ pub fn of_stills(arguments: &Arguments, from: &Sequence, voice: Voice) -> Result
     let numbers = from.numbers()?;
     let first = read_still(&from.file(numbers[0]))?;
     let size = [first.picture.width, first.picture.height];
-    let (map, notes) = arguments.read_map(size)?;
+    let mut ready = arguments.read_map(size)?;
+    let evening = ready.evening();
+    let Ready { map, notes, .. } = ready;
     let deep = first.depth != Depth::Eight;
     // Rates such as 29.97 to the thousandth.
     let rate = [(arguments.rate * 1000.0).round().max(1.0) as u64, 1000];
     let colour = Colour::usual(map.height);
     let total = Some(numbers.len() as u64);
-    let work = Work { arguments, map: &map, deep, rate, colour: &colour, total, film: None };
+    let work =
+        Work { arguments, map: &map, evening, deep, rate, colour: &colour, total, film: None };
     let source =
         |skip: u64| Ok(Frames::of_stills(from.clone(), numbers.clone(), size, deep, rate, skip));
     work.make(size, source, None, notes, voice)
@@ -117,7 +64,9 @@ pub fn of_stills(arguments: &Arguments, from: &Sequence, voice: Voice) -> Result
 pub fn into_stills(arguments: &Arguments, to: &Sequence, voice: Voice) -> Result<(), Failure> {
     crate::arguments::check_picture_name(&arguments.output)?;
     let film = open(arguments)?;
-    let (map, mut notes) = arguments.read_map(film.size)?;
+    let mut ready = arguments.read_map(film.size)?;
+    let evening = ready.evening();
+    let Ready { map, mut notes, .. } = ready;
     let curve = film.colour.curve();
     let deep = film.deep || curve != Curve::Srgb;
     notes.extend(remarks(&film));
@@ -125,7 +74,7 @@ pub fn into_stills(arguments: &Arguments, to: &Sequence, voice: Voice) -> Result
         .map_err(|error| FileError::io(to.folder(), "create", error))?;
     let job = Job::of_stills(arguments, to, &map)?;
     crate::output::on_interrupt_say("interrupted; the same command with --resume goes on");
-    let mut warper = Warper::new(arguments, &map, film.size, deep, curve)?;
+    let mut warper = Warper::new(arguments, &map, film.size, evening, deep, curve)?;
     let frames = Frames::of_film(&film, deep, 0)?;
     let (start, bar) = (Instant::now(), Bar::new());
     bar.stage("frames", film.frames().unwrap_or(0).max(2) as usize);
@@ -174,154 +123,11 @@ fn remarks(film: &Film) -> Vec<String> {
     notes
 }
 
-/// A frame as a picture in linear light.
-fn picture(frame: &[u8], [width, height]: [usize; 2], deep: bool, curve: Curve) -> Picture {
-    let mut picture = Picture::filled(width, height, [0.0, 0.0, 0.0, 1.0]);
-    for (i, pixel) in picture.pixels.iter_mut().enumerate() {
-        for c in 0..3 {
-            let at = 3 * i + c;
-            pixel[c] = if deep {
-                let code = u16::from_le_bytes([frame[2 * at], frame[2 * at + 1]]);
-                curve.decode(f64::from(code) / 65535.0) as f32
-            } else {
-                srgb::decode_8(frame[at])
-            };
-        }
-    }
-    picture
-}
-
-/// Frames that a thread reads ahead.
-struct Frames {
-    frames: Receiver<Frame>,
-    reader: std::thread::JoinHandle<Result<Vec<String>, Failure>>,
-}
-
-impl Frames {
-    /// A film's, without the first `skip`.
-    fn of_film(film: &Film, deep: bool, skip: u64) -> Result<Self, Failure> {
-        let mut decoder = Decoder::new(film, deep)?;
-        let (sender, frames) = sync_channel(WAITING);
-        let reader = std::thread::spawn(move || {
-            let mut count = 0;
-            let mut frame = Vec::new();
-            while let Some(timing) = decoder.next(&mut frame)? {
-                count += 1;
-                if count > skip && sender.send((std::mem::take(&mut frame), timing)).is_err() {
-                    // Nobody wants more; dropping the decoder ends ffmpeg.
-                    return Ok(Vec::new());
-                }
-            }
-            Ok(decoder.finish()?)
-        });
-        Ok(Self { frames, reader })
-    }
-
-    /// Pictures as frames of a film.
-    fn of_stills(
-        from: Sequence,
-        numbers: Vec<u64>,
-        size: [usize; 2],
-        deep: bool,
-        rate: [u64; 2],
-        skip: u64,
-    ) -> Self {
-        let (sender, frames) = sync_channel(WAITING);
-        let reader = std::thread::spawn(move || {
-            for (ticks, number) in (0..).zip(numbers).skip(skip as usize) {
-                let path = from.file(number);
-                let picture = read_still(&path)?.picture;
-                if [picture.width, picture.height] != size {
-                    let problem = format!(
-                        "{}: {} x {} pixels, but the first picture has {} x {}",
-                        path.display(),
-                        picture.width,
-                        picture.height,
-                        size[0],
-                        size[1]
-                    );
-                    return Err(Failure::new(problem, "give a film's pictures one size"));
-                }
-                let codes = picture.pixels.iter().flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]);
-                let frame: Vec<u8> = match deep {
-                    true => codes.flat_map(|light| srgb::encode_16(light).to_le_bytes()).collect(),
-                    false => codes.map(srgb::encode_8).collect(),
-                };
-                if sender.send((frame, Timing { ticks, base: [rate[1], rate[0]] })).is_err() {
-                    break;
-                }
-            }
-            Ok(Vec::new())
-        });
-        Self { frames, reader }
-    }
-
-    /// After the last frame, shown at `last` seconds: refuses a film that ended before its end.
-    fn end(
-        self,
-        arguments: &Arguments,
-        film: Option<&Film>,
-        count: u64,
-        last: f64,
-    ) -> Result<Vec<String>, Failure> {
-        drop(self.frames);
-        let path = arguments.input.display();
-        let ended = match self.reader.join() {
-            Ok(ended) => ended,
-            Err(panic) => std::panic::resume_unwind(panic),
-        };
-        let help = "copy or export it again; --keep-going takes what is there";
-        let errors = match ended {
-            Ok(errors) => errors,
-            Err(failure) if arguments.keep_going && count > 0 => {
-                return Ok(vec![failure.to_string()]);
-            }
-            Err(failure) if count == 0 => return Err(failure),
-            Err(failure) => {
-                return Err(Failure::new(
-                    format!("{path}: it ends early, after {count} frames: {failure}"),
-                    help,
-                ));
-            }
-        };
-        let said = errors.first().map_or_else(String::new, |first| format!(" (ffmpeg: {first})"));
-        if count == 0 {
-            return Err(Failure::new(format!("{path}: not one frame can be decoded{said}"), help));
-        }
-        let short = film.and_then(|film| missing(film, count, last, errors.is_empty()));
-        match short {
-            Some(whole) if !arguments.keep_going => Err(Failure::new(
-                format!("{path}: it ends early: {count} frames can be decoded, of {whole}{said}"),
-                help,
-            )),
-            Some(whole) => {
-                Ok(vec![format!("{path}: only {count} frames could be decoded, of {whole}{said}")])
-            }
-            None if errors.is_empty() => Ok(Vec::new()),
-            None => Ok(vec![format!(
-                "{path}: it is damaged in places; ffmpeg complained {} times{said}",
-                errors.len()
-            )]),
-        }
-    }
-}
-
-/// What a film should have where its frames, the last one shown at `last` seconds, are far from all. Cuts at either end and roundings are
-/// usual.
-fn missing(film: &Film, count: u64, last: f64, sound: bool) -> Option<String> {
-    if let Some(counted) = film.counted {
-        return (count + 3 + counted / 100 < counted).then(|| counted.to_string());
-    }
-    // The whole file's length may be that of its sound alone, so that it says something only of a film that is
-    // damaged for certain.
-    let seconds = film.seconds.or_else(|| film.whole.filter(|_| !sound))?;
-    (last + 0.5 + 0.02 * seconds < seconds).then(|| format!("{seconds:.1} s ending at {last:.1} s"))
-}
-
 /// A film to be made.
 struct Work<'a> {
     arguments: &'a Arguments,
     map: &'a Map,
+    evening: Option<Evening>,
     deep: bool,
     rate: [u64; 2],
     colour: &'a Colour,
@@ -351,7 +157,14 @@ impl Work<'_> {
         crate::output::on_interrupt_say("interrupted; the same command with --resume goes on");
         let mut pieces = job.pieces(extension);
         let resumed: u64 = pieces.iter().map(|piece| piece.frames).sum();
-        let mut warper = Warper::new(arguments, self.map, size, self.deep, self.colour.curve())?;
+        let mut warper = Warper::new(
+            arguments,
+            self.map,
+            size,
+            self.evening.clone(),
+            self.deep,
+            self.colour.curve(),
+        )?;
         let frames = source(resumed)?;
         let (start, bar) = (Instant::now(), Bar::new());
         let left = self.total.map_or(0, |total| total.saturating_sub(resumed));

@@ -1,16 +1,18 @@
 //! `midair apply`: a map on stills, films and numbered stills.
 
 mod film;
+mod frames;
 mod parts;
 mod stills;
+mod warper;
 
-use crate::arguments::{Size, map_formats};
+use crate::arguments::{GainMode, Size, map_formats};
 use crate::failure::Failure;
 use crate::summary::Voice;
 use clap::ValueEnum;
-use midair::map::Map;
 use midair::map::format::{Format, read_map};
-use midair::media::{Filter, Sequence};
+use midair::map::{Gain, Map};
+use midair::media::{Evening, Filter, Sequence};
 use std::path::{Path, PathBuf};
 
 /// Apply a map to a still, a film or numbered stills: what the display must show
@@ -22,7 +24,8 @@ use std::path::{Path, PathBuf};
     midair apply out/map.exr film.mp4 display.mp4\n  \
     midair apply out/map.exr film.mov display.mov -- -c:v prores_ks -profile:v 3\n  \
     midair apply out/map.exr frames/%04d.png shown/%04d.png\n  \
-    midair apply out/map.exr frames/%04d.exr display.mp4 --rate 30")]
+    midair apply out/map.exr frames/%04d.exr display.mp4 --rate 30\n  \
+    midair apply out/map.exr film.mp4 display.mp4 --gain soft")]
 pub struct Arguments {
     /// The map
     map: PathBuf,
@@ -42,6 +45,13 @@ pub struct Arguments {
     /// How pixels are made of a film's frames; pictures are always done sharply
     #[arg(long, value_enum, default_value_t)]
     filter: FilterName,
+    /// How a map's gain is divided out, so that the image is even (`compensate --gain` writes it into map.exr) [default: fit, if the
+    /// map has one]
+    #[arg(long, value_name = "MODE", value_enum)]
+    gain: Option<GainMode>,
+    /// Leave a map's gain alone
+    #[arg(long, conflicts_with = "gain")]
+    no_gain: bool,
     /// Frames a second of a film made of numbered pictures
     #[arg(long, value_name = "R", default_value = "25", value_parser = crate::arguments::positive)]
     rate: f64,
@@ -80,8 +90,8 @@ impl Arguments {
         }
     }
 
-    /// The map for pictures of `size` pixels, and what is to be said of it.
-    fn read_map(&self, size: [usize; 2]) -> Result<(Map, Vec<String>), Failure> {
+    /// The map for pictures of `size` pixels.
+    fn read_map(&self, size: [usize; 2]) -> Result<Ready, Failure> {
         let size = self.source.map_or(size, |Size(size)| size);
         let loaded = read_map(&self.map, self.from, Some(size))?;
         let mut map = loaded.map;
@@ -91,8 +101,46 @@ impl Arguments {
                 *uv = [f64::NAN; 2];
             }
         }
-        Ok((map, loaded.notes))
+        let gain = match loaded.gain {
+            None if self.gain.is_some() => {
+                return Err(Failure::new(
+                    format!("{}: this map has no gain", self.map.display()),
+                    "make one with it (midair compensate SCENE --gain writes it into map.exr), or leave --gain out",
+                ));
+            }
+            Some(gain) if !self.no_gain => Some((gain, self.gain.unwrap_or(GainMode::Fit))),
+            _ => None,
+        };
+        Ok(Ready { map, gain, notes: loaded.notes })
     }
+}
+
+/// A map read.
+struct Ready {
+    map: Map,
+    /// What is to be divided out, and how.
+    gain: Option<(Gain, GainMode)>,
+    /// What is to be said of it.
+    notes: Vec<String>,
+}
+
+impl Ready {
+    /// The gain for pictures that belong together: all at the level of white.
+    fn evening(&mut self) -> Option<Evening> {
+        let (gain, mode) = self.gain.as_ref()?;
+        let evening = Evening::for_white(gain, mode.overflow());
+        self.notes.push(evened(*mode, evening.level()));
+        Some(evening)
+    }
+}
+
+/// What is said of a gain that is divided out.
+fn evened(mode: GainMode, level: f64) -> String {
+    format!(
+        "the map's gain is divided out ({}): white is {:.1} % of the display's",
+        mode.name(),
+        100.0 * level
+    )
 }
 
 /// What a path is, by its name.

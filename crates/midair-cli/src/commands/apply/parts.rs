@@ -1,6 +1,7 @@
 //! The pieces of long work, kept so that it can be gone on with.
 
 use super::Arguments;
+use crate::arguments::GainMode;
 use crate::failure::Failure;
 use midair::map::Map;
 use midair::map::format::{FileError, write_bytes_atomically};
@@ -100,6 +101,8 @@ fn description(arguments: &Arguments, map: &Map) -> Value {
         "input": arguments.input.display().to_string(),
         "bytes": state.map(|state| state.len()),
         "changed": changed.map(|time| format!("{}.{:09}", time.as_secs(), time.subsec_nanos())),
+        "gain": arguments.gain.map(GainMode::name),
+        "no_gain": arguments.no_gain,
         "filter": format!("{:?}", arguments.filter),
         "rate": arguments.rate,
         "piece": arguments.piece,

@@ -1,14 +1,14 @@
 //! Pictures to pictures.
 
-use super::Arguments;
 use super::parts::Job;
+use super::{Arguments, Ready, evened};
 use crate::arguments::{check_picture_name, open_picture};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::progress::Bar;
 use crate::summary::{Counts, Voice, milliseconds, paths, wrote};
 use midair::evaluate::proof::Watch as _;
-use midair::media::{Depth, Sequence, display_image, read_still, write_still};
+use midair::media::{Depth, Sequence, display_image, even_out, read_still, write_still};
 use serde_json::json;
 use std::path::Path;
 use std::time::Instant;
@@ -18,12 +18,18 @@ pub fn one(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     check_picture_name(&arguments.output)?;
     let mut notes = Vec::new();
     let still = open_picture(&arguments.input, &mut notes)?;
-    let (map, more) = arguments.read_map([still.picture.width, still.picture.height])?;
+    let Ready { map, gain, notes: more } =
+        arguments.read_map([still.picture.width, still.picture.height])?;
     notes.extend(more);
     let (mut output, name) = Output::of_file(&arguments.output)?;
     let start = Instant::now();
     let depth = depth_for(&arguments.output, still.depth);
-    let shown = display_image(&still.picture, &map);
+    let mut shown = display_image(&still.picture, &map);
+    if let Some((gain, mode)) = gain {
+        let even = even_out(&shown, &gain, mode.overflow());
+        notes.push(evened(mode, even.level));
+        shown = even.display;
+    }
     let time = start.elapsed();
     output.write(&name, |path| write_still(path, &shown, depth))?;
     let files = output.finish()?;
@@ -60,7 +66,10 @@ pub fn each(
     let numbers = from.numbers()?;
     let first = read_still(&from.file(numbers[0]))?.picture;
     let size = [first.width, first.height];
-    let (map, mut notes) = arguments.read_map(size)?;
+    let mut ready = arguments.read_map(size)?;
+    // All at one level, as a film's.
+    let evening = ready.evening();
+    let Ready { map, mut notes, .. } = ready;
     std::fs::create_dir_all(to.folder())
         .map_err(|error| midair::map::format::FileError::io(to.folder(), "create", error))?;
     let job = Job::of_stills(arguments, to, &map)?;
@@ -81,11 +90,11 @@ pub fn each(
             ));
         }
         let target = to.file(number);
-        write_still(
-            &target,
-            &display_image(&still.picture, &map),
-            depth_for(&target, still.depth),
-        )?;
+        let mut shown = display_image(&still.picture, &map);
+        if let Some(evening) = &evening {
+            evening.apply(&mut shown);
+        }
+        write_still(&target, &shown, depth_for(&target, still.depth))?;
         bar.advance(1);
     }
     bar.finish();

@@ -1,6 +1,6 @@
 //! `midair compensate`: the map, and what the display must show.
 
-use crate::arguments::{Size, map_formats, open_picture, open_scene};
+use crate::arguments::{GainMode, Size, map_formats, open_picture, open_scene};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::progress::Bar;
@@ -14,7 +14,7 @@ use midair::media::Picture;
 use midair::scene::Loaded;
 use midair::transport::Setup;
 use serde_json::{Value, json};
-use show::{Mode, colour, finish, gains, optimal};
+use show::{colour, finish, gains, optimal};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -55,7 +55,7 @@ pub struct Arguments {
     optimal: bool,
     /// Divide out how much of the display's light arrives (Fresnel's losses, tints, mirrors, the plate), so that the image is even
     #[arg(long, value_name = "MODE", value_enum, num_args = 0..=1, default_missing_value = "fit")]
-    gain: Option<Mode>,
+    gain: Option<GainMode>,
     /// A map for each of the display's colours, so that glass with dispersion leaves no fringes: map_r, map_g, map_b, and map_rgb.exr with
     /// all three
     #[arg(long)]

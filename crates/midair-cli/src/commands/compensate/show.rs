@@ -1,51 +1,20 @@
 //! What the display must show of a picture: colour, brightness, the display's own response.
 
 use super::maps::Solutions;
-use crate::arguments::check_view;
+use crate::arguments::{GainMode, check_view};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::summary::percent;
-use clap::ValueEnum;
 use midair::evaluate::proof::{Reference, view_size};
 use midair::map::{Gain, Map, with_rim};
 use midair::media::optimal::{Weighting, optimal_display, view_through};
 use midair::media::{
-    Depth, Overflow, Picture, Still, display_image, display_image_by_colour, drive, even_out,
-    write_still,
+    Depth, Picture, Still, display_image, display_image_by_colour, drive, even_out, write_still,
 };
 use midair::scene::Loaded;
 use midair::simulate::{Camera, Plate, gain};
 use midair::transport::Setup;
 use serde_json::{Value, json};
-
-/// What is done where evening the brightness out would take a brighter display.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Mode {
-    /// The image is as bright as its most demanding pixel allows: nothing clips
-    Fit,
-    /// A white image clips at a tenth of its pixels
-    Clip,
-    /// As clip, with a soft shoulder instead of an edge
-    Soft,
-}
-
-impl Mode {
-    fn overflow(self) -> Overflow {
-        match self {
-            Self::Fit => Overflow::Fit,
-            Self::Clip => Overflow::Clip,
-            Self::Soft => Overflow::Soft,
-        }
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Fit => "fit",
-            Self::Clip => "clip",
-            Self::Soft => "soft",
-        }
-    }
-}
 
 /// The gain of each map.
 pub fn gains(loaded: &Loaded, solutions: &Solutions) -> Result<Vec<Gain>, Failure> {
@@ -80,7 +49,7 @@ pub struct Shown {
 }
 
 /// The display image with the gain divided out, if asked for, and in the display's own codes.
-pub fn finish(loaded: &Loaded, light: Picture, evening: Option<(Mode, &[Gain])>) -> Shown {
+pub fn finish(loaded: &Loaded, light: Picture, evening: Option<(GainMode, &[Gain])>) -> Shown {
     let mut display = light;
     let mut lines = String::new();
     let mut told = json!({});

@@ -1,6 +1,6 @@
 //! Curves over an axis, as SVG that takes its colours from the page.
 
-use super::html::{escaped, push};
+use super::html::{STYLE, escaped, push};
 
 /// Curves over an axis, each point marked.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -51,6 +51,19 @@ pub(super) fn label(value: f64, step: f64) -> String {
 }
 
 impl LineChart {
+    /// The chart as an SVG file that stands on its own, in the page's light colours.
+    pub fn to_svg_file(&self) -> String {
+        let size = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{HEIGHT}\" "
+        );
+        let mut svg = self.to_svg().replacen("<svg ", &size, 1);
+        if let Some(end) = svg.find('>') {
+            let ground = "<rect width=\"100%\" height=\"100%\" fill=\"var(--ground)\"/>";
+            svg.insert_str(end + 1, &with_colours(&format!("<style>{}</style>{ground}", rules())));
+        }
+        svg
+    }
+
     /// The chart as an SVG element for a page of [`super::Page`].
     pub(super) fn to_svg(&self) -> String {
         let points = || {
@@ -157,6 +170,30 @@ impl LineChart {
         out.push_str("</svg>");
         out
     }
+}
+
+/// The style sheet's rules for charts.
+fn rules() -> String {
+    STYLE
+        .lines()
+        .filter_map(|line| line.strip_prefix("svg "))
+        .map(|rule| rule.replace(" svg ", " "))
+        .collect()
+}
+
+/// Text with the style sheet's variables written out, as programs for drawing do not know them. Of a variable's values the first
+/// is that of a light page.
+fn with_colours(text: &str) -> String {
+    let mut parts = text.split("var(");
+    let mut out = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (name, rest) = part.split_once(')').unwrap_or((part, ""));
+        let value =
+            STYLE.split_once(&format!("{name}: ")).and_then(|(_, after)| after.split_once(';'));
+        out += value.map_or("black", |(value, _)| value);
+        out += rest;
+    }
+    out
 }
 
 /// A mark of its own for each curve, so that colour is not all that tells them apart.

@@ -7,7 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use super::page::{Block, Cell, Figure, Image, Page, Table};
 
-const STYLE: &str = include_str!("style.css");
+pub(super) const STYLE: &str = include_str!("style.css");
 
 /// Text as the content of an element or of a quoted attribute.
 pub(super) fn escaped(text: &str) -> String {

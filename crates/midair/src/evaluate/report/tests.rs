@@ -157,6 +157,16 @@ fn points_lie_where_the_axes_say() {
     // Coordinates are written to a tenth.
     assert!((b[0] - 0.5 * (a[0] + c[0])).abs() < 0.2 && (b[1] - 0.5 * (a[1] + c[1])).abs() < 0.2);
     assert!(a[0] < c[0] && a[1] > c[1]);
+    // As a file it has the same shapes, and colours that are written out.
+    let file = chart.to_svg_file();
+    let alone = roxmltree::Document::parse(&file).unwrap();
+    assert_eq!(alone.root_element().tag_name().namespace(), Some("http://www.w3.org/2000/svg"));
+    let circles = |tree: &roxmltree::Document<'_>| {
+        tree.descendants().filter(|node| node.tag_name().name() == "circle").count()
+    };
+    assert_eq!(circles(&alone), circles(&tree));
+    assert!(file.contains(".s0 { stroke: #") && file.contains("fill=\"#"), "{file}");
+    assert!(!file.contains("var(") && !file.contains("svg ."), "{file}");
     let texts: Vec<&str> = tree.descendants().filter_map(|node| node.text()).collect();
     assert!(texts.contains(&"80") && texts.contains(&"−15"), "{texts:?}");
     let curve =

@@ -1,7 +1,8 @@
 //! Warping frames of 16-bit samples, in linear light and single precision.
 
 use super::taps::{CubicTables, ONE, Plan, Tap, unpack};
-use super::{Warp, WarpError, check_frame_samples};
+use super::{Warp, WarpError, check_frame_samples, check_gain};
+use crate::media::brightness::Evening;
 use crate::media::curve::{Curve, Tables};
 use rayon::prelude::*;
 
@@ -15,19 +16,21 @@ pub struct DeepScratch {
 impl Warp {
     /// Warps one frame of RGB samples of 16 bits in linear light. `frame` holds the source's rows from the top, three samples a
     /// pixel and no padding; so will `output`. `curve` says how codes stand for light. `scratch` is working memory, to be kept
-    /// from frame to frame. Pixels without an answer become 0.
+    /// from frame to frame. A gain is divided out of the display's pixels, if there is one. Pixels without an answer become 0.
     ///
     /// # Errors
-    /// [`WarpError::FrameSize`] where the number of samples is wrong.
+    /// [`WarpError::FrameSize`] where the number of samples is wrong, [`WarpError::Gain`] where that of the gain's pixels is.
     pub fn apply_deep(
         &self,
         frame: &[u16],
         curve: Curve,
+        evening: Option<&Evening>,
         scratch: &mut DeepScratch,
         output: &mut [u16],
     ) -> Result<(), WarpError> {
         check_frame_samples(self.source[0], self.source[1], 3, frame.len())?;
         check_frame_samples(self.width, self.height, 3, output.len())?;
+        check_gain(evening, self.width * self.height)?;
         if scratch.tables.as_ref().is_none_or(|(known, _)| *known != curve) {
             scratch.tables = Some((curve, Tables::new(curve)));
         }
@@ -47,7 +50,8 @@ impl Warp {
             for span in plan.spans(row) {
                 let targets = line[span.start * 3..span.end * 3].as_chunks_mut::<3>().0;
                 for (column, target) in span.zip(targets) {
-                    let taps = plan.samples(row * self.width + column);
+                    let index = row * self.width + column;
+                    let taps = plan.samples(index);
                     let mut sum = [0.0f32; 3];
                     for tap in taps {
                         let light = source.sample(tap);
@@ -56,7 +60,11 @@ impl Warp {
                             sum[c] += light[c].clamp(0.0, 1.0);
                         }
                     }
-                    *target = sum.map(|light| tables.encode(light / taps.len() as f32));
+                    for c in 0..3 {
+                        let light = sum[c] / taps.len() as f32;
+                        let light = evening.map_or(light, |e| e.emitted(index, c, light));
+                        target[c] = tables.encode(light);
+                    }
                 }
             }
         });

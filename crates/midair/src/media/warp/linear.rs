@@ -2,11 +2,14 @@
 //!
 //! A step of 15-bit light is at most a tenth of an 8-bit code (at black, where the curve is steepest).
 
+use super::WarpError;
 use super::taps::{CubicTables, ONE, Plan, Tap, WEIGHT_BITS, unpack};
+use crate::media::brightness::Evening;
 use crate::media::srgb;
+use crate::optics::screen::Screen;
 use rayon::prelude::*;
 use std::ops::Range;
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 /// White, in 15-bit light.
 const WHITE: i32 = 32767;
@@ -29,26 +32,90 @@ static DECODE: LazyLock<[[i16; 256]; 2]> = LazyLock::new(|| {
 /// Codes of 15-bit light, whose every value has a place.
 type Codes = [u8; WHITE as usize + 1];
 
-/// Light to codes.
-static ENCODE: LazyLock<[Box<Codes>; 2]> = LazyLock::new(|| {
-    let table = |code: fn(i32) -> u8| {
-        let mut table = Box::new([0; WHITE as usize + 1]);
-        table.iter_mut().zip(0..).for_each(|(entry, light)| *entry = code(light));
-        table
-    };
-    [
-        table(|light| srgb::encode_8(light as f32 / WHITE as f32)),
-        table(|light| ((light * 255 + WHITE / 2) / WHITE) as u8),
-    ]
-});
+fn table(code: impl Fn(i32) -> u8) -> Arc<Codes> {
+    let mut table = Box::new([0; WHITE as usize + 1]);
+    table.iter_mut().zip(0..).for_each(|(entry, light)| *entry = code(light));
+    table.into()
+}
+
+/// What a display is sent so that it emits light: the codes of its channels' light, and a gain that is divided out before.
+#[derive(Clone, Debug)]
+pub struct Drive {
+    codes: [Arc<Codes>; 4],
+    /// Which colour, of red, green and blue, each of the first three channels is.
+    colours: [usize; 3],
+    evening: Option<Evening>,
+}
+
+impl Default for Drive {
+    /// sRGB codes of red, green, blue; alpha is proportional.
+    fn default() -> Self {
+        static SRGB: LazyLock<Arc<Codes>> =
+            LazyLock::new(|| table(|light| srgb::encode_8(light as f32 / WHITE as f32)));
+        static PROPORTIONAL: LazyLock<Arc<Codes>> =
+            LazyLock::new(|| table(|light| ((light * 255 + WHITE / 2) / WHITE) as u8));
+        let [colour, alpha] = [&SRGB, &PROPORTIONAL].map(|table| Arc::clone(table));
+        let codes = [Arc::clone(&colour), Arc::clone(&colour), colour, alpha];
+        Self { codes, colours: [0, 1, 2], evening: None }
+    }
+}
+
+impl Drive {
+    /// A display's own codes, for frames whose first three channels are these colours (0 red, 1 green, 2 blue). Light below the
+    /// display's black becomes code 0.
+    pub fn of_screen(screen: &Screen, colours: [usize; 3]) -> Self {
+        let mut drive = Self { colours, ..Self::default() };
+        if !screen.is_plain() {
+            for (channel, c) in colours.into_iter().enumerate() {
+                drive.codes[channel] = table(|light| {
+                    let code = screen.code(c, f64::from(light) / f64::from(WHITE));
+                    (code * 255.0).round() as u8
+                });
+            }
+        }
+        drive
+    }
+
+    /// With a gain divided out, of as many pixels as the warp makes.
+    pub fn with_evening(self, evening: Option<Evening>) -> Self {
+        Self { evening, ..self }
+    }
+
+    /// The gain that is divided out.
+    pub fn evening(&self) -> Option<&Evening> {
+        self.evening.as_ref()
+    }
+}
 
 /// Which of the two curves a channel has.
 fn curve(channel: usize) -> usize {
     usize::from(channel == 3)
 }
 
+/// The light of a frame: to be decoded once, and warped as often as the map changes.
+#[derive(Clone, Debug, Default)]
+pub struct LightFrame {
+    pub(super) light: Vec<[i16; 4]>,
+}
+
+impl LightFrame {
+    /// Takes an sRGB frame of `channels` (3 or 4) bytes a pixel in the place of what was there. A fourth channel is proportional;
+    /// in frames of three it is 0.
+    ///
+    /// # Errors
+    /// [`WarpError::Channels`] for another number of channels.
+    pub fn decode(&mut self, frame: &[u8], channels: usize) -> Result<(), WarpError> {
+        match channels {
+            3 => decode::<3>(frame, &mut self.light),
+            4 => decode::<4>(frame, &mut self.light),
+            other => return Err(WarpError::Channels(other)),
+        }
+        Ok(())
+    }
+}
+
 /// The light of a frame's pixels; the fourth channel is 0 in frames of three.
-pub(super) fn decode<const C: usize>(frame: &[u8], light: &mut Vec<[i16; 4]>) {
+fn decode<const C: usize>(frame: &[u8], light: &mut Vec<[i16; 4]>) {
     let tables = &*DECODE;
     let pixels = frame.as_chunks::<C>().0;
     pixels
@@ -72,6 +139,7 @@ pub(super) struct Run<'a> {
     pub(super) tables: Option<&'a CubicTables>,
     pub(super) plan: &'a Plan,
     pub(super) pixels: Range<usize>,
+    pub(super) drive: &'a Drive,
 }
 
 impl Run<'_> {
@@ -105,7 +173,7 @@ impl Run<'_> {
         table_y: &[[i32; 2]],
         output: &mut [u8],
     ) {
-        let codes = &*ENCODE;
+        let codes: [&Codes; 4] = std::array::from_fn(|c| &*self.drive.codes[c]);
         let (light, [width, height]) = (self.light, self.source);
         for (index, target) in self.pixels.clone().zip(output.as_chunks_mut::<C>().0) {
             let taps = self.plan.samples(index);
@@ -129,9 +197,16 @@ impl Run<'_> {
                     value[c] = (value[c] + count / 2) / count;
                 }
             }
+            if let Some(evening) = &self.drive.evening {
+                for c in 0..3 {
+                    let light = value[c] as f32 / WHITE as f32;
+                    let emitted = evening.emitted(index, self.drive.colours[c], light);
+                    value[c] = (emitted * WHITE as f32 + 0.5) as i32;
+                }
+            }
             for c in 0..C {
                 // A mean of values from 0 to white is one; the mask only tells the compiler so.
-                target[c] = codes[curve(c)][(value[c] & WHITE) as usize];
+                target[c] = codes[c][(value[c] & WHITE) as usize];
             }
         }
     }
@@ -183,9 +258,11 @@ mod tests {
 
     #[test]
     fn every_code_survives() {
-        for c in 0..2 {
+        let drive = Drive::default();
+        for c in [0, 3] {
             for code in 0..256 {
-                assert_eq!(usize::from(ENCODE[c][DECODE[c][code] as usize]), code);
+                let light = DECODE[curve(c)][code] as usize;
+                assert_eq!(usize::from(drive.codes[c][light]), code);
             }
         }
     }

@@ -13,8 +13,10 @@ mod linear;
 mod taps;
 
 pub use deep::DeepScratch;
+pub use linear::{Drive, LightFrame};
 
 use crate::map::{Inverse, Map, RowScratch};
+use crate::media::brightness::Evening;
 use rayon::prelude::*;
 use std::cell::RefCell;
 use std::ops::Range;
@@ -53,6 +55,14 @@ pub enum WarpError {
     /// Only 3 and 4 channels are known.
     #[error("frames of {0} channels cannot be warped: give 3 (RGB) or 4 (RGBA)")]
     Channels(usize),
+    /// A gain is for another display.
+    #[error("the gain is of {found} pixels, the map of {expected}")]
+    Gain {
+        /// The map's.
+        expected: usize,
+        /// The gain's.
+        found: usize,
+    },
     /// A source without pixels, or with more than 32-bit offsets reach.
     #[error("a source of {0} x {1} pixels cannot be warped")]
     Source(usize, usize),
@@ -127,38 +137,37 @@ impl Warp {
         }
     }
 
-    /// Warps one sRGB frame in linear light, as [`display_image`](super::display_image) does; else as
-    /// [`apply`](Self::apply), alpha being proportional. `scratch` is working memory, to be kept from frame
-    /// to frame.
+    /// Warps one frame in linear light, as [`display_image`](super::display_image) does, into what the display is sent: `channels` (3
+    /// or 4) bytes a pixel, without padding. Pixels without an answer become 0 in every channel.
     ///
     /// # Errors
     /// As [`apply`](Self::apply).
-    pub fn apply_in_linear_light(
+    pub fn apply_light(
         &self,
-        frame: &[u8],
+        frame: &LightFrame,
         channels: usize,
-        scratch: &mut LinearScratch,
+        drive: &Drive,
         output: &mut [u8],
     ) -> Result<(), WarpError> {
         match channels {
-            3 => self.apply_linear::<3>(frame, &mut scratch.0, output),
-            4 => self.apply_linear::<4>(frame, &mut scratch.0, output),
+            3 => self.apply_light_to::<3>(frame, drive, output),
+            4 => self.apply_light_to::<4>(frame, drive, output),
             other => Err(WarpError::Channels(other)),
         }
     }
 
-    fn apply_linear<const C: usize>(
+    fn apply_light_to<const C: usize>(
         &self,
-        frame: &[u8],
-        light: &mut Vec<[i16; 4]>,
+        frame: &LightFrame,
+        drive: &Drive,
         output: &mut [u8],
     ) -> Result<(), WarpError> {
-        check_frame::<C>(self.source[0], self.source[1], frame.len())?;
-        linear::decode::<C>(frame, light);
-        let (light, source, plan) = (&light[..], self.source, &self.plan);
+        check_frame_samples(self.source[0], self.source[1], 1, frame.light.len())?;
+        check_gain(drive.evening(), self.width * self.height)?;
+        let (light, source, plan) = (&frame.light[..], self.source, &self.plan);
         self.each_span::<C>(output, |pixels, target| {
             let tables = self.tables.as_ref();
-            linear::Run { light, source, tables, plan, pixels }.warp::<C>(target);
+            linear::Run { light, source, tables, plan, pixels, drive }.warp::<C>(target);
         })
     }
 
@@ -205,9 +214,12 @@ impl Warp {
     }
 }
 
-/// Working memory of [`Warp::apply_in_linear_light`].
-#[derive(Clone, Debug, Default)]
-pub struct LinearScratch(Vec<[i16; 4]>);
+fn check_gain(evening: Option<&Evening>, expected: usize) -> Result<(), WarpError> {
+    match evening.map(Evening::pixels) {
+        Some(found) if found != expected => Err(WarpError::Gain { expected, found }),
+        _ => Ok(()),
+    }
+}
 
 fn check_source([width, height]: [usize; 2]) -> Result<(), WarpError> {
     match width.checked_mul(height) {

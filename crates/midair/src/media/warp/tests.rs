@@ -1,7 +1,9 @@
 use super::*;
 use crate::geometry::Shape;
+use crate::map::Gain;
 use crate::map::{Accuracy, Status, invert};
-use crate::media::{Curve, Picture, display_image, srgb};
+use crate::media::{Curve, Overflow, Picture, display_image, drive, even_out, srgb};
+use crate::optics::screen::{Response, Screen};
 use crate::transport::Setup;
 use crate::transport::bench_setup::{ACRYLIC, block, element, setup, sphere};
 use crate::transport::tests::ball_mesh;
@@ -112,9 +114,10 @@ fn in_linear_light_the_warp_is_the_display_image_of_a_still() {
             let (map, mut frame) = (bent_map(64, 50), noise(source[0], source[1], channels));
             frame[..channels].fill(255);
             let mut result = vec![77; 64 * 50 * channels];
-            let mut scratch = LinearScratch::default();
+            let mut light = LightFrame::default();
+            light.decode(&frame, channels).unwrap();
             let warp = Warp::new(&map, source, Filter::Sharp).unwrap();
-            warp.apply_in_linear_light(&frame, channels, &mut scratch, &mut result).unwrap();
+            warp.apply_light(&light, channels, &Drive::default(), &mut result).unwrap();
             let mut picture = Picture::filled(source[0], source[1], [1.0; 4]);
             for (pixel, code) in picture.pixels.iter_mut().zip(frame.chunks(channels)) {
                 (0..3).for_each(|c| pixel[c] = srgb::decode_8(code[c]));
@@ -137,14 +140,15 @@ fn in_linear_light_the_warp_is_the_display_image_of_a_still() {
 
 #[test]
 fn in_linear_light_the_identity_gives_the_frame_back_and_a_mean_is_a_mean_of_light() {
-    let mut scratch = LinearScratch::default();
+    let (mut light, plain) = (LightFrame::default(), Drive::default());
     for (w, h) in [(37, 5), (1, 1), (3, 2), (16, 16)] {
         for channels in [3, 4] {
             for filter in [Filter::Bilinear, Filter::Sharp] {
                 let frame = noise(w, h, channels);
                 let warp = Warp::new(&Map::identity(w, h), [w, h], filter).unwrap();
                 let mut back = vec![77; frame.len()];
-                warp.apply_in_linear_light(&frame, channels, &mut scratch, &mut back).unwrap();
+                light.decode(&frame, channels).unwrap();
+                warp.apply_light(&light, channels, &plain, &mut back).unwrap();
                 assert_eq!(back, frame, "{w} x {h} x {channels} {filter:?}");
             }
         }
@@ -155,7 +159,8 @@ fn in_linear_light_the_identity_gives_the_frame_back_and_a_mean_is_a_mean_of_lig
     let warp = Warp::new(&map, [2, 1], Filter::Bilinear).unwrap();
     let mut output = [0; 4];
     let frame = [0, 0, 0, 0, 255, 255, 255, 255];
-    warp.apply_in_linear_light(&frame, 4, &mut scratch, &mut output).unwrap();
+    light.decode(&frame, 4).unwrap();
+    warp.apply_light(&light, 4, &plain, &mut output).unwrap();
     assert_eq!(output, [188, 188, 188, 128]);
 }
 
@@ -175,7 +180,7 @@ fn deep_frames_are_warped_as_stills_are_and_the_identity_gives_them_back() {
             let warp = Warp::new(&Map::identity(source[0], source[1]), source, filter).unwrap();
             let mut back = vec![7; frame.len()];
             for curve in [Curve::Srgb, Curve::Linear, Curve::Hlg] {
-                warp.apply_deep(&frame, curve, &mut scratch, &mut back).unwrap();
+                warp.apply_deep(&frame, curve, None, &mut scratch, &mut back).unwrap();
                 assert_eq!(back, frame, "{source:?} {curve:?}");
             }
         }
@@ -184,7 +189,7 @@ fn deep_frames_are_warped_as_stills_are_and_the_identity_gives_them_back() {
         let (map, frame) = (bent_map(64, 50), codes(source));
         let warp = Warp::new(&map, source, Filter::Sharp).unwrap();
         let mut result = vec![7; 64 * 50 * 3];
-        warp.apply_deep(&frame, Curve::Srgb, &mut scratch, &mut result).unwrap();
+        warp.apply_deep(&frame, Curve::Srgb, None, &mut scratch, &mut result).unwrap();
         let mut picture = Picture::filled(source[0], source[1], [1.0; 4]);
         for (pixel, code) in picture.pixels.iter_mut().zip(frame.as_chunks::<3>().0) {
             (0..3).for_each(|c| pixel[c] = srgb::decode_16(code[c]));
@@ -199,7 +204,7 @@ fn deep_frames_are_warped_as_stills_are_and_the_identity_gives_them_back() {
         }
     }
     let warp = Warp::new(&Map::identity(2, 2), [2, 2], Filter::Sharp).unwrap();
-    assert!(warp.apply_deep(&[0; 5], Curve::Pq, &mut scratch, &mut [0; 12]).is_err());
+    assert!(warp.apply_deep(&[0; 5], Curve::Pq, None, &mut scratch, &mut [0; 12]).is_err());
 }
 
 #[test]
@@ -329,4 +334,95 @@ fn an_inverse_is_warped_as_its_map_is_whatever_the_memory_held() {
     let setup = setup(40.0, vec![]);
     let inverse = Inverse::new(&setup, Accuracy::default());
     assert!(Warp::of_inverse(&inverse, [0, 8], None).is_err());
+}
+
+/// A gain that differs from pixel to pixel and colour to colour, without an answer where the map has none.
+fn uneven(map: &Map) -> Gain {
+    let of = |(i, uv): (usize, &[f64; 2])| match uv[0].is_nan() {
+        true => [f32::NAN; 3],
+        false => [0, 1, 2].map(|c| 0.4 + 0.05 * ((3 * i + 5 * c) % 11) as f32),
+    };
+    let rgb = map.uv.iter().enumerate().map(of).collect();
+    Gain { width: map.width, height: map.height, rgb }
+}
+
+#[test]
+fn a_gain_and_a_displays_response_are_those_of_stills() {
+    let source = [40, 31];
+    let (map, mut frame) = (bent_map(64, 50), noise(source[0], source[1], 3));
+    // White somewhere that is seen: the level of a film is that of white.
+    frame.iter_mut().enumerate().for_each(|(i, code)| {
+        if i / 3 % 5 < 2 {
+            *code = 255;
+        }
+    });
+    let gain = uneven(&map);
+    let screen = Screen { response: Response::Gamma(1.8), black: [0.004, 0.01, 0.0], bits: None };
+    let mut picture = Picture::filled(source[0], source[1], [1.0; 4]);
+    for (pixel, code) in picture.pixels.iter_mut().zip(frame.chunks(3)) {
+        (0..3).for_each(|c| pixel[c] = srgb::decode_8(code[c]));
+    }
+    for overflow in [Overflow::Fit, Overflow::Clip, Overflow::Soft] {
+        let evening = Evening::for_white(&gain, overflow);
+        // What a still does, at white's level: of a picture with all its pixels white and the film's picture in turn.
+        let white = even_out(&Picture::filled(64, 50, [1.0; 4]), &gain, overflow);
+        assert_eq!(white.level, evening.level());
+        let mut wanted = display_image(&picture, &map);
+        for (i, pixel) in wanted.pixels.iter_mut().enumerate() {
+            (0..3).for_each(|c| pixel[c] = evening.emitted(i, c, pixel[c]));
+        }
+        let wanted = drive(&wanted, &screen).picture;
+        let warp = Warp::new(&map, source, Filter::Sharp).unwrap();
+        // The channels the other way about, as windows have them.
+        let swapped: Vec<u8> = frame.chunks(3).flat_map(|p| [p[2], p[1], p[0], 255]).collect();
+        let mut light = LightFrame::default();
+        light.decode(&swapped, 4).unwrap();
+        let driver = Drive::of_screen(&screen, [2, 1, 0]).with_evening(Some(evening.clone()));
+        let mut shown = vec![77; 64 * 50 * 4];
+        warp.apply_light(&light, 4, &driver, &mut shown).unwrap();
+        for (i, pixel) in wanted.pixels.iter().enumerate() {
+            for c in 0..3 {
+                if map.uv[i][0].is_nan() {
+                    assert_eq!(shown[4 * i + 2 - c], 0);
+                    continue;
+                }
+                let ideal = srgb::encode(f64::from(pixel[c])) * 255.0;
+                // Light is known to 0.0013 and three steps of 15 bits; a gain of a half doubles that at most (0.8 / 0.4), and a
+                // response of light^(1/1.8) turns it into codes by its slope.
+                let emitted = screen.light(c, ideal / 255.0);
+                let over = ((emitted - screen.black[c]) / (1.0 - screen.black[c])).max(1e-9);
+                let error = 2.0 * (0.0013 + 3.0 / 32767.0);
+                let slack = 255.0
+                    * ((over + error).powf(1.0 / 1.8) - (over - error).max(0.0).powf(1.0 / 1.8));
+                let code = f64::from(shown[4 * i + 2 - c]);
+                assert!(
+                    (code - ideal).abs() < 0.51 + slack,
+                    "{overflow:?} {i} {c}: {code} {ideal}"
+                );
+            }
+        }
+        // Frames of 16 bits, in sRGB.
+        let deep: Vec<u16> = frame.iter().map(|&code| u16::from(code) * 257).collect();
+        let mut shown = vec![7; 64 * 50 * 3];
+        let mut scratch = DeepScratch::default();
+        warp.apply_deep(&deep, Curve::Srgb, Some(&evening), &mut scratch, &mut shown).unwrap();
+        let still = display_image(&picture, &map);
+        for (i, pixel) in still.pixels.iter().enumerate() {
+            for c in 0..3 {
+                let ideal =
+                    if map.uv[i][0].is_nan() { 0.0 } else { evening.emitted(i, c, pixel[c]) };
+                // As without a gain, doubled by it at most.
+                assert!((srgb::decode_16(shown[3 * i + c]) - ideal).abs() < 0.0026, "{i} {c}");
+            }
+        }
+    }
+    let other =
+        Evening::for_white(&Gain { width: 1, height: 1, rgb: vec![[0.5; 3]] }, Overflow::Fit);
+    let warp = Warp::new(&map, source, Filter::Bilinear).unwrap();
+    let (mut light, mut shown) = (LightFrame::default(), vec![0; 64 * 50 * 3]);
+    light.decode(&frame, 3).unwrap();
+    let driver = Drive::default().with_evening(Some(other));
+    let error = warp.apply_light(&light, 3, &driver, &mut shown).unwrap_err();
+    assert_eq!(error, WarpError::Gain { expected: 3200, found: 1 });
+    assert_eq!(light.decode(&frame, 2), Err(WarpError::Channels(2)));
 }
