@@ -136,16 +136,19 @@ impl Colour {
         let found = &self.evenness;
         let [least, most] = found.gain.range().unwrap_or_default();
         let gain = format!(
-            "The gain of each display pixel over the largest: {:.1} to {:.1} % of the light arrives.",
+            "The gain of each display pixel: from {:.1} (dark) to {:.1} % (white) of the light arrives. Black: no answer.",
             100.0 * least,
             100.0 * most
         );
-        let [plain, even] = found.views.each_ref();
+        let [plain, even] = fields(&found.views);
         let mut blocks = vec![
             Block::Figures(vec![
                 figure(&gain_picture(&found.gain), &gain)?,
-                figure(&exposed(plain), "A white field as it is seen, over its brightest.")?,
-                figure(&exposed(even), "The same with the gain divided out (--gain fit).")?,
+                figure(
+                    &plain,
+                    "A white field as it is seen, its differences stretched. Black: not formed, or at the edge.",
+                )?,
+                figure(&even, "The same with the gain divided out (--gain fit), stretched alike.")?,
             ]),
             Block::Table(self.brightness_table()),
         ];
@@ -166,16 +169,19 @@ impl Colour {
         };
         blocks
             .push(Block::Text(format!("Stray light. {of_plate}, with its lattice averaged over:")));
-        blocks.push(Block::Figures(vec![self.stray_figure()?]));
+        blocks.push(Block::Figures(self.stray_figures()?));
         blocks.push(Block::Notes(self.stray.lines().lines().map(str::to_owned).collect()));
         Ok(Section { heading: "Brightness and colour".to_owned(), blocks })
     }
 
-    fn stray_figure(&self) -> Result<Figure, FigureError> {
-        figure(
-            &self.stray.picture(),
-            "Four times as wide as the image: the image white, the two stray images orange and blue, the display seen through the plate green.",
-        )
+    fn stray_figures(&self) -> Result<Vec<Figure>, FigureError> {
+        Ok(vec![
+            figure(
+                &self.stray.picture(),
+                "Four times as wide as the image: the image white, the two stray images orange and blue, the display seen through the plate green.",
+            )?,
+            figure(&self.stray.close_up(), "The same, the image alone.")?,
+        ])
     }
 
     fn brightness_table(&self) -> Table {
@@ -218,9 +224,9 @@ impl Colour {
             output.write(name, |path| write_still(path, picture, Depth::Eight))
         };
         picture("gain.png", &gain_picture(&self.evenness.gain))?;
-        let [plain, even] = &self.evenness.views;
-        picture("white-uncompensated.png", &exposed(plain))?;
-        picture("white-compensated.png", &exposed(even))?;
+        let [plain, even] = fields(&self.evenness.views);
+        picture("white-uncompensated.png", &plain)?;
+        picture("white-compensated.png", &even)?;
         if let Some(fringes) = &self.fringes {
             let [plain, by_colour] = &fringes.close_ups;
             picture("fringes-one-map.png", plain)?;
@@ -248,22 +254,48 @@ fn fringe_table(fringes: &Fringes) -> Table {
     }
 }
 
-/// The gain as a picture, over its largest; black where there is no answer.
+/// The gain as a picture, stretched so that its least and its largest share differ; black where there is no answer.
 fn gain_picture(gain: &Gain) -> Picture {
-    let most = gain.range().map_or(1.0, |[_, most]| most.max(f32::MIN_POSITIVE));
-    let pixel = |rgb: &[f32; 3]| match rgb.iter().all(|share| share.is_finite()) {
-        true => [rgb[0] / most, rgb[1] / most, rgb[2] / most, 1.0],
-        false => [0.0, 0.0, 0.0, 1.0],
-    };
+    let tone = Tone::of(gain.range().unwrap_or_default());
+    let pixel =
+        |rgb: &[f32; 3]| tone.pixel(rgb.iter().all(|share| share.is_finite()).then_some(*rgb));
     Picture { width: gain.width, height: gain.height, pixels: gain.rgb.iter().map(pixel).collect() }
 }
 
-/// A view over its brightest.
-fn exposed(view: &Picture) -> Picture {
-    let light = view.pixels.iter().flat_map(|pixel| &pixel[..3]);
-    let most = light.copied().fold(f32::MIN_POSITIVE, f32::max);
-    let pixels = view.pixels.iter().map(|&[r, g, b, _]| [r / most, g / most, b / most, 1.0]);
-    Picture { width: view.width, height: view.height, pixels: pixels.collect() }
+/// The white field before and after, each over its brightest, stretched alike; black where nothing is seen.
+fn fields([plain, even]: &[Picture; 2]) -> [Picture; 2] {
+    let range = |view: &Picture| {
+        let lit = view.pixels.iter().filter(|pixel| pixel[3] > 0.0).flat_map(|pixel| &pixel[..3]);
+        lit.fold([f32::INFINITY, 0.0], |[least, most], &v| [v.min(least), v.max(most)])
+    };
+    let [least, most] = range(plain);
+    let least = if least.is_finite() { least / most } else { 0.0 };
+    [plain, even].map(|view| {
+        let brightest = range(view)[1].max(f32::MIN_POSITIVE);
+        let tone = Tone::of([least * brightest, brightest]);
+        let pixel = |&[r, g, b, a]: &[f32; 4]| tone.pixel((a > 0.0).then_some([r, g, b]));
+        let pixels = view.pixels.iter().map(pixel).collect();
+        Picture { width: view.width, height: view.height, pixels }
+    })
+}
+
+/// How small differences of brightness are shown: from a dark grey to white.
+struct Tone {
+    least: f32,
+    span: f32,
+}
+
+impl Tone {
+    fn of([least, most]: [f32; 2]) -> Self {
+        // Less than a hundredth is not blown up.
+        Self { least, span: (most - least).max(0.01 * most).max(f32::MIN_POSITIVE) }
+    }
+
+    fn pixel(&self, rgb: Option<[f32; 3]>) -> [f32; 4] {
+        let Some(rgb) = rgb else { return [0.0, 0.0, 0.0, 1.0] };
+        let [r, g, b] = rgb.map(|v| 0.05 + 0.95 * ((v - self.least) / self.span).clamp(0.0, 1.0));
+        [r, g, b, 1.0]
+    }
 }
 
 /// A ratio in words; a dash where there is none.

@@ -1,5 +1,8 @@
 //! A small catalogue of transparent materials, with dispersion.
 
+/// The wavelength that indices are taken at when none is named: the helium d line, micrometres.
+pub const DESIGN_WAVELENGTH: f64 = 0.587_56;
+
 /// A transparent material: n^2 = 1 + sum of B_i lambda^2 / (lambda^2 - C_i), lambda in
 /// micrometres (Sellmeier 1871).
 #[derive(Clone, Copy, Debug, PartialEq)]

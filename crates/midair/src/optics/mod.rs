@@ -3,8 +3,13 @@
 //! Every formula here is a pure function over [`Real`](crate::geometry::Real), so the transport,
 //! its derivatives and the forward simulator share one copy of it.
 
+pub mod emission;
 pub mod glass;
+pub mod glass_file;
 pub mod interface;
 pub mod plate;
 pub mod screen;
 pub mod srgb;
+mod table;
+
+pub use table::TableError;

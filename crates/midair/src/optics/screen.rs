@@ -1,8 +1,9 @@
 //! A display's response: which light its codes stand for.
 
 use super::srgb;
+use super::table::{Column, Source, TableError, interpolate};
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// How a display turns codes into light. Codes and light are from 0 to 1; light of 1 is the display's white.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -47,28 +48,10 @@ pub struct ResponseTable {
     black: [f64; 3],
 }
 
-/// Why a response table cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum ResponseError {
-    /// The file cannot be opened.
-    #[error("response table {}: {source}", file.display())]
-    File {
-        /// Which file.
-        file: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
-    /// A line is not what it should be.
-    #[error("response table {}, line {line}: {problem}", file.display())]
-    Line {
-        /// Which file.
-        file: PathBuf,
-        /// Which line, from 1.
-        line: u64,
-        /// What is wrong with it.
-        problem: String,
-    },
-}
+const CODE: Column = Column::amount("code");
+const GREY: [Column; 2] = [CODE, Column::amount("light")];
+const COLOUR: [Column; 4] =
+    [CODE, Column::amount("red"), Column::amount("green"), Column::amount("blue")];
 
 impl Screen {
     /// Light of a code of colour `c` (0, 1, 2: R, G, B), black included.
@@ -108,84 +91,57 @@ impl ResponseTable {
     /// Reads a table from a CSV file.
     ///
     /// # Errors
-    /// [`ResponseError`] where the file cannot be read or a line is wrong.
-    pub fn read(file: &Path) -> Result<Self, ResponseError> {
-        let opened = std::fs::File::open(file)
-            .map_err(|source| ResponseError::File { file: file.to_owned(), source })?;
-        Self::from_csv(opened, file)
+    /// [`TableError`] where the file cannot be read or a line is wrong.
+    pub fn read(file: &Path) -> Result<Self, TableError> {
+        Self::from_csv(source(file).open()?, file)
     }
 
     /// Reads a table from CSV text; `file` is named in errors.
     ///
     /// # Errors
-    /// [`ResponseError::Line`] where a line is wrong.
-    pub fn from_csv(csv: impl Read, file: &Path) -> Result<Self, ResponseError> {
-        let wrong = |line: u64, problem: String| ResponseError::Line {
-            file: file.to_owned(),
-            line,
-            problem,
-        };
-        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(csv);
-        let unreadable = |error: csv::Error| {
-            wrong(error.position().map_or(1, csv::Position::line), error.to_string())
-        };
-        let header = reader.headers().map_err(unreadable)?.clone();
-        let names: Vec<String> = header.iter().map(str::to_lowercase).collect();
-        let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let columns: [usize; 3] = match names[..] {
-            ["code", "light"] => [1; 3],
-            ["code", "red", "green", "blue"] => [1, 2, 3],
-            _ => {
-                let found = names.join(",");
-                let problem = format!(
-                    "the header is \"{found}\"; it must be code,light or code,red,green,blue"
-                );
-                return Err(wrong(1, problem));
-            }
-        };
+    /// [`TableError`] where a line is wrong.
+    pub fn from_csv(csv: impl Read, file: &Path) -> Result<Self, TableError> {
+        let source = source(file);
+        let (form, rows) = source.rows(csv, &[&GREY, &COLOUR])?;
+        let columns: [usize; 3] = if form == 0 { [1; 3] } else { [1, 2, 3] };
         let mut codes: Vec<f64> = Vec::new();
         let mut light: [Vec<f64>; 3] = Default::default();
         let mut last = 1;
-        for record in reader.records() {
-            let record = record.map_err(unreadable)?;
-            let line = record.position().map_or(0, csv::Position::line);
+        for row in rows {
+            let (line, code) = (row.line, row.values[0]);
             last = line;
-            let number = |column: usize| -> Result<f64, ResponseError> {
-                let text = record.get(column).unwrap_or_default();
-                match text.parse::<f64>() {
-                    Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
-                    _ => Err(wrong(line, format!("\"{text}\" is no number of 0 or more"))),
-                }
-            };
-            let code = number(0)?;
             match codes.last() {
                 None if code != 0.0 => {
-                    return Err(wrong(line, format!("the first code is {code}; it must be 0")));
+                    return Err(
+                        source.wrong(line, format!("the first code is {code}; it must be 0"))
+                    );
                 }
                 Some(&before) if code <= before => {
-                    return Err(wrong(line, format!("code {code} does not come after {before}")));
+                    return Err(
+                        source.wrong(line, format!("code {code} does not come after {before}"))
+                    );
                 }
                 _ => {}
             }
             for (c, light) in light.iter_mut().enumerate() {
-                let value = number(columns[c])?;
+                let value = row.values[columns[c]];
                 if light.last().is_some_and(|&before| value < before) {
                     let problem = format!("light falls to {value}: codes above must be as bright");
-                    return Err(wrong(line, problem));
+                    return Err(source.wrong(line, problem));
                 }
                 light.push(value);
             }
             codes.push(code);
         }
         let (Some(&highest), true) = (codes.last(), codes.len() >= 2) else {
-            return Err(wrong(last, "at least two codes must be measured".to_owned()));
+            return Err(source.wrong(last, "at least two codes must be measured"));
         };
         codes.iter_mut().for_each(|code| *code /= highest);
         let mut black = [0.0; 3];
         for (c, light) in light.iter_mut().enumerate() {
             let (dark, white) = (light[0], light[light.len() - 1]);
             if white <= dark {
-                return Err(wrong(last, "white is no brighter than black".to_owned()));
+                return Err(source.wrong(last, "white is no brighter than black"));
             }
             black[c] = dark / white;
             light.iter_mut().for_each(|value| *value = (*value - dark) / (white - dark));
@@ -199,24 +155,15 @@ impl ResponseTable {
     }
 }
 
-/// `ys` at `x` between the points of ascending `xs`, the first of equal ones.
-fn interpolate(xs: &[f64], ys: &[f64], x: f64) -> f64 {
-    let above = xs.partition_point(|&known| known < x);
-    match (above.checked_sub(1), xs.get(above)) {
-        (None, _) => ys[0],
-        (_, None) => ys[ys.len() - 1],
-        (Some(below), Some(_)) => {
-            let share = (x - xs[below]) / (xs[above] - xs[below]);
-            ys[below] + share * (ys[above] - ys[below])
-        }
-    }
+fn source(file: &Path) -> Source<'_> {
+    Source { what: "response table", file }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn table(text: &str) -> Result<ResponseTable, ResponseError> {
+    fn table(text: &str) -> Result<ResponseTable, TableError> {
         ResponseTable::from_csv(text.as_bytes(), Path::new("bench.csv"))
     }
 

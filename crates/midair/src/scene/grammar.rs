@@ -335,6 +335,14 @@ static DISPLAY: Block = block(
             "Its light by code as measured: a CSV file (code,light or code,red,green,blue), relative to the scene file.",
         ),
         optional(
+            "emission",
+            Kind::File,
+            None,
+            Need::Optional,
+            "Its radiance by angle from its normal as measured: a CSV file (angle,radiance or angle,red,green,blue), relative to the \
+             scene file; left out: alike in all directions (Lambert).",
+        ),
+        optional(
             "black",
             Kind::Colour(0.0, 0.5),
             None,
@@ -389,12 +397,12 @@ const ABSORPTION: Key = optional(
     Kind::Colour(0.0, 1e6),
     Some("per mm"),
     Need::Optional,
-    "Refractive solids: absorption coefficient; one number, or linear R, G, B; left out: none.",
+    "Refractive solids: absorption coefficient; one number, or linear R, G, B; left out: as the glass file says, else none.",
 );
 
 static MATERIAL: Block = Block {
     name: "a material",
-    about: "What an element is made of: exactly one of ior, glass, cauchy and mirror.",
+    about: "What an element is made of: exactly one of ior, glass, cauchy, file and mirror.",
     keys: &[
         optional(
             "ior",
@@ -411,6 +419,14 @@ static MATERIAL: Block = Block {
             Need::Optional,
             "A and B of n = A + B / lambda^2, lambda in micrometres.",
         ),
+        optional(
+            "file",
+            Kind::File,
+            None,
+            Need::Optional,
+            "A glass with dispersion: a YAML file as refractiveindex.info has them, relative to the scene file. Its k is the absorption \
+             where the scene gives none.",
+        ),
         optional("mirror", Kind::Flag, None, Need::Optional, "true: a reflective surface."),
         optional(
             "reflectance",
@@ -421,7 +437,7 @@ static MATERIAL: Block = Block {
         ),
         ABSORPTION,
     ],
-    exactly_one: &[&["ior", "glass", "cauchy", "mirror"]],
+    exactly_one: &[&["ior", "glass", "cauchy", "file", "mirror"]],
 };
 
 static SHAPES: [(&str, &Block); 10] = [

@@ -1,9 +1,12 @@
 //! Reading a scene file with the files that it names.
 
 use super::error::{SceneError, SceneText};
-use super::model::{HeightSource, Material, Normals, ResponseSource, Scene, Shape};
+use super::model::{HeightSource, Index, Material, Normals, ResponseSource, Scene, Shape};
 use super::{Format, heights, parse_with_places, sense};
 use crate::geometry::mesh::{self, Surface, TriangleMesh};
+use crate::optics::emission::{Emission, EmissionTable};
+use crate::optics::glass::DESIGN_WAVELENGTH;
+use crate::optics::glass_file::GlassFile;
 use crate::optics::plate::LuminanceTable;
 use crate::optics::screen::{Response, ResponseTable, Screen};
 use std::io::Read as _;
@@ -29,8 +32,12 @@ pub struct Loaded {
     pub scene: Scene,
     /// For each element what its file holds.
     pub assets: Vec<Asset>,
+    /// For each element the glass file that it names.
+    pub glasses: Vec<Option<Arc<GlassFile>>>,
     /// How the display's codes become light.
     pub screen: Screen,
+    /// How its light goes with the direction.
+    pub emission: Emission,
     /// The measured luminance that the plate names.
     pub luminance: Option<LuminanceTable>,
     /// The scene file's text, for messages that show a line of it.
@@ -129,7 +136,18 @@ pub fn with_files(scene: Scene, text: SceneText, folder: PathBuf) -> Result<Load
             _ => Asset::None,
         });
     }
+    let glasses = glasses(&scene, &text, &folder)?;
     let screen = screen(&scene, &text, &folder)?;
+    let emission = match &scene.display.emission {
+        None => Emission::Lambert,
+        Some(file) => {
+            let table = EmissionTable::read(&folder.join(file)).map_err(|e| {
+                let help = "give a CSV file with a header angle,radiance or angle,red,green,blue";
+                text.error_at("display.emission", e.to_string(), help)
+            })?;
+            Emission::Measured(Arc::new(table))
+        }
+    };
     let luminance = match &scene.plate.luminance {
         None => None,
         Some(file) => Some(LuminanceTable::read(&folder.join(file)).map_err(|e| {
@@ -139,8 +157,67 @@ pub fn with_files(scene: Scene, text: SceneText, folder: PathBuf) -> Result<Load
     };
     match SceneError::gathered(sense::faults(&scene, &text, &assets)) {
         Some(error) => Err(error),
-        None => Ok(Loaded { scene, assets, luminance, screen, text, folder, notes }),
+        None => {
+            Ok(Loaded { scene, assets, glasses, luminance, screen, emission, text, folder, notes })
+        }
     }
+}
+
+/// The glass files that the elements name, which must know the wavelengths that they will be asked for.
+fn glasses(
+    scene: &Scene,
+    text: &SceneText,
+    folder: &Path,
+) -> Result<Vec<Option<Arc<GlassFile>>>, SceneError> {
+    let mut glasses = Vec::with_capacity(scene.elements.len());
+    for (i, element) in scene.elements.iter().enumerate() {
+        let Material::Refractive { index: Index::File(file), absorption } = &element.material
+        else {
+            glasses.push(None);
+            continue;
+        };
+        let wrong = |message: String, help: &str| {
+            text.error_at(&format!("element[{i}].material.file"), message, help)
+        };
+        let glass = GlassFile::read(&folder.join(file)).map_err(|e| {
+            let help =
+                "give a YAML file of the refractiveindex.info database, or glass = \"N-BK7\"";
+            wrong(e.to_string(), help)
+        })?;
+        // The display's wavelengths are in nm.
+        let colours = scene.display.wavelengths.map(|nm| nm / 1000.0);
+        let told = |[low, high]: [f64; 2]| format!("from {low} to {high} micrometres");
+        for wavelength in colours.into_iter().chain([DESIGN_WAVELENGTH]) {
+            let n = glass.index(wavelength);
+            if n.is_nan() {
+                let message = format!(
+                    "{}: no index at {wavelength} micrometres; the file has it {}",
+                    file.display(),
+                    told(glass.range())
+                );
+                let help = "take a file that covers the display's wavelengths and 0.58756, or change `wavelengths` in [display]";
+                return Err(wrong(message, help));
+            }
+            if !(1.0..=5.0).contains(&n) {
+                let message =
+                    format!("{}: the index at {wavelength} micrometres is {n:.3}", file.display());
+                let help = "a transparent material has one between 1 and 5; a metal is material = { mirror = true, reflectance = ... }";
+                return Err(wrong(message, help));
+            }
+        }
+        let unknown = colours.into_iter().find(|&colour| glass.absorption(colour).is_nan());
+        if let (Some(wavelength), None) = (unknown, absorption) {
+            let range = glass.absorption_range().unwrap_or_default();
+            let message = format!(
+                "{}: no k at {wavelength} micrometres; the file has it {}",
+                file.display(),
+                told(range)
+            );
+            return Err(wrong(message, "say absorption = ... in the scene, which then counts"));
+        }
+        glasses.push(Some(Arc::new(glass)));
+    }
+    Ok(glasses)
 }
 
 /// The display's response, with the file that it may name.
@@ -160,4 +237,79 @@ fn screen(scene: &Scene, text: &SceneText, folder: &Path) -> Result<Screen, Scen
         }
     };
     Ok(Screen { response, black: display.black.unwrap_or(measured), bits: display.bits })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::transport::{Matter, Setup};
+
+    const GLASS: &str = "DATA:\n  - type: formula 2\n    wavelength_range: 0.4 0.8\n    \
+        coefficients: 0 1.03961212 0.00600069867 0.231792344 0.0200179144 1.01046945 103.560653\n  \
+        - type: tabulated k\n    data: |\n      0.45 1.0e-7\n      0.65 3.0e-7\n";
+
+    /// A ball of the glass file's, with more keys of the material and of the display.
+    fn ball(glass: &str, material: &str, display: &str) -> Result<Loaded, SceneError> {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("glass.yml"), glass).unwrap();
+        let text = format!(
+            "[viewpoint]\nposition = [0.0, 0.0, 800.0]\n[image]\nsize = [20.0, 20.0]\n\
+             [plate]\nposition = [0.0, 0.0, -150.0]\nrotation = [-45.0, 0.0, 0.0]\nsize = [400.0, 400.0]\n\
+             [display]\n{display}\n[[element]]\nshape = {{ kind = \"sphere\", radius = 30.0 }}\n\
+             material = {{ file = \"glass.yml\"{material} }}\n"
+        );
+        let scene = folder.path().join("scene.toml");
+        std::fs::write(&scene, text).unwrap();
+        load(&scene)
+    }
+
+    fn matter(loaded: &Loaded) -> [Matter; 3] {
+        Setup::by_colour(loaded).unwrap().map(|setup| setup.elements[0].matter)
+    }
+
+    #[test]
+    fn a_glass_file_gives_index_and_absorption() {
+        let loaded = ball(GLASS, "", "").unwrap();
+        assert!(loaded.scene.disperses());
+        let known = crate::optics::glass::lookup("N-BK7").unwrap();
+        // k rises from 1e-7 by 1e-8 every 0.01 micrometres; 4 pi k / lambda.
+        let expected = [0.611, 0.549, 0.465]
+            .map(|w: f64| 4.0 * std::f64::consts::PI * (1e-7 + (w - 0.45) * 1e-6) / (w / 1000.0));
+        for (matter, w) in matter(&loaded).into_iter().zip([0.611, 0.549, 0.465]) {
+            let Matter::Refractive { index, absorption } = matter else { panic!("{matter:?}") };
+            assert!((index - known.index(w)).abs() < 1e-12);
+            for c in 0..3 {
+                assert!((absorption[c] / expected[c] - 1.0).abs() < 1e-9, "{absorption:?}");
+            }
+        }
+        // What the scene says counts.
+        let loaded = ball(GLASS, ", absorption = 0.0", "").unwrap();
+        let clear =
+            |matter| matches!(matter, Matter::Refractive { absorption: [0.0, 0.0, 0.0], .. });
+        assert!(matter(&loaded).into_iter().all(clear));
+    }
+
+    #[test]
+    fn what_a_glass_file_does_not_know_is_said_at_its_key() {
+        let cases = [
+            (GLASS, "", "wavelengths = [611.0, 549.0, 390.0]", "no index at 0.39 micrometres"),
+            (GLASS, "", "wavelengths = [611.0, 549.0, 430.0]", "no k at 0.43 micrometres"),
+            ("DATA:\n  - type: formula 99\n", "", "", "glass.yml, line 2: formula 99"),
+            (
+                "DATA:\n  - type: tabulated n\n    data: |\n      0.4 0.2\n      0.8 0.2\n",
+                "",
+                "",
+                "mirror",
+            ),
+        ];
+        for (glass, material, display, part) in cases {
+            let error = ball(glass, material, display).unwrap_err();
+            let help = miette::Diagnostic::help(&error).map(|help| help.to_string());
+            let told = format!("{error} {}", help.unwrap_or_default());
+            assert!(told.contains(part) && told.contains("glass.yml"), "{told}");
+        }
+        // Absorption said in the scene needs no k.
+        let display = "wavelengths = [611.0, 549.0, 430.0]";
+        assert!(ball(GLASS, ", absorption = 0.01", display).is_ok());
+    }
 }

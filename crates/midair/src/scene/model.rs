@@ -85,6 +85,8 @@ pub struct Display {
     pub size: Option<[f64; 2]>,
     /// Wavelengths in nm that stand for its red, green and blue.
     pub wavelengths: [f64; 3],
+    /// A CSV file of measured radiance over angles, relative to the scene file; `None`: alike in all directions.
+    pub emission: Option<PathBuf>,
     /// How its codes become light.
     pub response: ResponseSource,
     /// Light that it emits where it is to be dark, by R, G, B, as a share of its white; `None`: as its response was measured, else 0.
@@ -235,8 +237,8 @@ pub enum Material {
     Refractive {
         /// Its refractive index.
         index: Index,
-        /// Absorption per mm by linear R, G, B.
-        absorption: [f64; 3],
+        /// Absorption per mm by linear R, G, B; `None`: as the glass file says at the display's wavelengths, else none.
+        absorption: Option<[f64; 3]>,
     },
     /// A reflective surface.
     Mirror {
@@ -254,4 +256,6 @@ pub enum Index {
     Cauchy(f64, f64),
     /// A glass of the built-in catalogue.
     Glass(String),
+    /// A YAML file as refractiveindex.info has them, relative to the scene file.
+    File(PathBuf),
 }

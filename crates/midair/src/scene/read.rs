@@ -223,6 +223,7 @@ fn display(scene: &Fields<'_>) -> Option<Display> {
         size: fields.numbers("size"),
         wavelengths: fields.numbers("wavelengths")?,
         response,
+        emission: fields.text("emission").map(PathBuf::from),
         black: fields.colour("black"),
         bits: fields.integer("bits").and_then(|bits| bits.try_into().ok()),
     })
@@ -232,8 +233,7 @@ fn element(fields: &Fields<'_>) -> Option<Element> {
     let shape_fields = fields.block("shape")?;
     let material = fields.block("material")?;
     let name = fields.text("name").or(shape_fields.text("kind"))?.to_owned();
-    let absorption =
-        material.colour("absorption").or(fields.colour("absorption")).unwrap_or_default();
+    let absorption = material.colour("absorption").or(fields.colour("absorption"));
     let material = if material.flag("mirror") == Some(true) {
         Material::Mirror { reflectance: material.colour("reflectance")? }
     } else {
@@ -241,6 +241,8 @@ fn element(fields: &Fields<'_>) -> Option<Element> {
             Index::Constant(ior)
         } else if let Some([a, b]) = material.numbers("cauchy") {
             Index::Cauchy(a, b)
+        } else if let Some(file) = material.text("file") {
+            Index::File(file.into())
         } else {
             Index::Glass(material.text("glass")?.to_owned())
         };

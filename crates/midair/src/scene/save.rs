@@ -56,6 +56,9 @@ fn write_scene(out: &mut String, scene: &Scene) -> std::fmt::Result {
             writeln!(out, "response = {}", text(&file.to_string_lossy()))?;
         }
     }
+    if let Some(file) = &scene.display.emission {
+        writeln!(out, "emission = {}", text(&file.to_string_lossy()))?;
+    }
     if let Some(black) = scene.display.black {
         writeln!(out, "black = {black:?}")?;
     }
@@ -148,8 +151,12 @@ fn material(material: &Material) -> String {
                 Index::Constant(ior) => format!("ior = {ior:?}"),
                 Index::Cauchy(a, b) => format!("cauchy = [{a:?}, {b:?}]"),
                 Index::Glass(name) => format!("glass = {}", text(name)),
+                Index::File(file) => format!("file = {}", text(&file.to_string_lossy())),
             };
-            format!("{index}, absorption = {absorption:?}")
+            match absorption {
+                Some(absorption) => format!("{index}, absorption = {absorption:?}"),
+                None => index,
+            }
         }
     }
 }

@@ -59,6 +59,7 @@ fn a_scene_reads_as_it_is_written() {
             size: None,
             wavelengths: [611.0, 549.0, 465.0],
             response: ResponseSource::Srgb,
+            emission: None,
             black: None,
             bits: None,
         },
@@ -66,7 +67,7 @@ fn a_scene_reads_as_it_is_written() {
             name: "ball".into(),
             shape: Shape::Sphere { radius: 25.0 },
             pose: Pose::default(),
-            material: Material::Refractive { index: Index::Constant(1.49), absorption: [0.0; 3] },
+            material: Material::Refractive { index: Index::Constant(1.49), absorption: None },
             priority: None,
         }],
     };
@@ -678,9 +679,10 @@ fn material_strategy() -> impl Strategy<Value = Material> {
         (1.2..2.0, 0.0..0.02).prop_map(|(a, b)| Index::Cauchy(a, b)),
         prop::sample::select(crate::optics::glass::names().collect::<Vec<_>>())
             .prop_map(|name| Index::Glass(name.to_owned())),
+        "[^\\x00]{1,20}".prop_map(|file| Index::File(file.into())),
     ];
     prop_oneof![
-        (index, numbers::<3>(0.0..10.0))
+        (index, prop::option::of(numbers::<3>(0.0..10.0)))
             .prop_map(|(index, absorption)| Material::Refractive { index, absorption }),
         numbers::<3>(0.0..1.0).prop_map(|reflectance| Material::Mirror { reflectance }),
     ]
@@ -713,25 +715,25 @@ fn scene_strategy() -> impl Strategy<Value = Scene> {
             })
         },
     );
-    let display =
+    let display = (
+        (1..=32768usize, 1..=32768usize),
+        proptest::option::of(pose_strategy()),
+        proptest::option::of(numbers::<2>(1e-6..1e6)),
         (
-            (1..=32768usize, 1..=32768usize),
-            proptest::option::of(pose_strategy()),
-            proptest::option::of(numbers::<2>(1e-6..1e6)),
-            (
-                numbers::<3>(380.0..780.0),
-                prop_oneof![
-                    Just(ResponseSource::Srgb),
-                    (0.2..10.0).prop_map(ResponseSource::Gamma),
-                    Just(ResponseSource::File("bench.csv".into()))
-                ],
-                proptest::option::of(numbers::<3>(0.0..0.5)),
-                proptest::option::of(1..=16u32),
-            ),
-        )
-            .prop_map(|((w, h), pose, size, (wavelengths, response, black, bits))| {
-                Display { resolution: [w, h], pose, size, wavelengths, response, black, bits }
-            });
+            numbers::<3>(380.0..780.0),
+            prop_oneof![
+                Just(ResponseSource::Srgb),
+                (0.2..10.0).prop_map(ResponseSource::Gamma),
+                Just(ResponseSource::File("bench.csv".into()))
+            ],
+            proptest::option::of(numbers::<3>(0.0..0.5)),
+            proptest::option::of(1..=16u32),
+        ),
+    )
+        .prop_map(|((w, h), pose, size, (wavelengths, response, black, bits))| {
+            let emission = bits.map(|_| "angles.csv".into());
+            Display { resolution: [w, h], pose, size, wavelengths, response, emission, black, bits }
+        });
     (
         (any::<String>(), 1..=10_000usize, any::<bool>(), numbers::<3>(-1e6..1e6)),
         rectangle_strategy(),

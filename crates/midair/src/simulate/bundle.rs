@@ -10,6 +10,7 @@
 use super::light::{Chance, Plate, Stage};
 use super::sequence::Points;
 use crate::geometry::{Convex, Crossing, Frame, Ray, Search, Shape, Vec3};
+use crate::optics::emission::Emission;
 use crate::optics::interface::{attenuate, beer_lambert, fresnel, reflect, refract_with};
 use crate::optics::plate::{Class, SlitMirrorPlate, pass_ideal};
 use crate::simulate::lens::Lens;
@@ -101,10 +102,13 @@ impl Bundle {
 }
 
 impl<'a> Straight<'a> {
-    /// What bundles can be followed through; `None` where only path by path will do: elements that are not
+    /// What bundles can be followed through; `None` where only path by path will do: a display that does not emit alike in all directions, elements that are not
     /// one convex solid which stands, like the pupil (an eye and its radius, mm), wholly before the plate.
     pub(super) fn of(stage: &Stage<'a>, eye: Vec3, pupil: f64) -> Option<Self> {
         let setup = stage.setup;
+        if setup.emission != Emission::Lambert {
+            return None;
+        }
         let plate = match stage.plate {
             Plate::Ideal => None,
             Plate::SlitMirror(plate) => Some(&**plate),

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 /// What is left of each display pixel's light at the viewpoint, along the path that the map compensates: Fresnel's losses,
 /// absorption, the mirrors' and the plate's. Radiance goes by the same factors (both ends are in air), so this is the luminance of
-/// the mid-air image over the display's. The display emits alike in all directions (Lambert's law).
+/// the mid-air image over the display's along its normal: what a measured display emits less aslant is part of it.
 ///
 /// Light that reflections bring besides is left out: it is what the viewer sees as reflections.
 pub fn gain(setup: &Setup, plate: &Plate, map: &Map) -> Gain {
@@ -37,7 +37,8 @@ fn arriving(
     let st = setup.transport(uv, path).st()?;
     let left = setup.remainder(setup.ray(uv), path)?;
     let real = plate.real_share(setup.plate.frame.to_local_direction(-left.at_plate.direction));
-    Some((st, [0, 1, 2].map(|c| left.share[c] * real[c])))
+    let emitted = setup.emitted_against(left.at_display);
+    Some((st, [0, 1, 2].map(|c| left.share[c] * real[c] * emitted[c])))
 }
 
 /// The view of a display with its losses, in closed form: one line of sight through each pixel of a view of the image. Transparent black

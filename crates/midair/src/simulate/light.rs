@@ -140,7 +140,7 @@ impl Stage<'_> {
     /// total internal reflection is reflected, whatever the scene asks of the transport.
     ///
     /// The plate stands in an opaque wall: what meets its plane outside its rectangle, or comes back to it from behind,
-    /// is dark. So is the display's back. The display emits alike in all directions (Lambert's law).
+    /// is dark. So is the display's back.
     #[inline]
     pub(super) fn follow(&self, ray: Ray, mut chance: Chance) -> Option<(Class, [f64; 3])> {
         let setup = self.setup;
@@ -185,6 +185,7 @@ impl Stage<'_> {
                 Some(class) => {
                     let [r, g, b, _] = self.display.emitted(at)?;
                     attenuate(&mut light, [r, g, b].map(f64::from));
+                    attenuate(&mut light, setup.emitted_against(walk.ray.direction));
                     return Some((class, light));
                 }
             }

@@ -76,7 +76,8 @@ impl Sights {
                     return 0.0;
                 }
                 let share = plate.share(d, odd);
-                luminance([0, 1, 2].map(|c| share[c] * left.share[c]))
+                let emitted = setup.emitted_against(direction);
+                luminance([0, 1, 2].map(|c| share[c] * left.share[c] * emitted[c]))
             };
             [seen([true, true]), seen(STRAY[0]), seen(STRAY[1]), seen(STRAY[2])]
         };

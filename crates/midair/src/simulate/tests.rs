@@ -4,6 +4,7 @@
 use super::*;
 use crate::geometry::{Frame, Ray, Rectangle, Vec3};
 use crate::media::{Picture, optimal::view_through};
+use crate::optics::emission::{Emission, EmissionTable};
 use crate::optics::plate::{SlitMirror, SlitMirrorPlate};
 use crate::transport::bench_setup::{ACRYLIC, block, element, setup, sphere};
 use crate::transport::{Element, Matter, Setup};
@@ -465,5 +466,48 @@ fn a_measured_table_gives_the_image_its_brightness() {
         assert!((seen / expected - 1.0).abs() < 0.01, "{seen} {expected}");
         assert_eq!(got.layers.stray, without.layers.stray);
         assert_eq!(got.layers.through, without.layers.through);
+    }
+}
+
+#[test]
+fn a_display_that_emits_less_aslant_is_seen_as_its_gain_says() {
+    // cos^4 of the angle, every two degrees.
+    let mut text = String::from("angle,red,green,blue\n");
+    for angle in (0..=90).step_by(2) {
+        let cosine = f64::from(angle).to_radians().cos().max(0.0);
+        text += &format!("{angle},{},{},{}\n", cosine.powi(4), cosine, 1.0);
+    }
+    let table = EmissionTable::from_csv(text.as_bytes(), std::path::Path::new("x.csv")).unwrap();
+    let mut setup = setup(60.0, Vec::new());
+    // Nearer to the display rays meet it more aslant.
+    setup.viewpoint = Vec3::new(0.0, 0.0, 150.0);
+    setup.emission = Emission::Measured(std::sync::Arc::new(table));
+    let (pixels, parts) = (5, 16);
+    let across = pixels * parts;
+    let closed = gain(&setup, &Plate::Ideal, &crate::map::Map::identity(across, across));
+    let found = shoot(&setup, &Plate::Ideal, &white(), &pinhole(&setup, [pixels; 2]), 1 << 12);
+    for (index, share) in closed.rgb.iter().enumerate() {
+        let uv = crate::map::pixel_centre(index % across, index / across, across, across);
+        let d = setup.ray(uv).direction;
+        // Through an ideal plate and no element the angle with the display's normal is the one with the image's.
+        let cosine = -d.z;
+        for (c, expected) in [cosine.powi(4), cosine, 1.0].into_iter().enumerate() {
+            // Linear between lines: (2 pi / 180)^2 / 8 times a second derivative of 4.
+            assert!((f64::from(share[c]) - expected).abs() < 7e-4, "{share:?} {cosine}");
+        }
+    }
+    let mut mean = vec![[0.0; 3]; pixels * pixels];
+    for (index, share) in closed.rgb.iter().enumerate() {
+        let (column, row) = (index % across / parts, index / across / parts);
+        for c in 0..3 {
+            mean[row * pixels + column][c] += f64::from(share[c]) / (parts * parts) as f64;
+        }
+    }
+    assert!(mean[0][0] < 0.93 * mean[pixels * pixels / 2][0]);
+    for (seen, expected) in found.layers.real.pixels.iter().zip(&mean) {
+        for c in 0..3 {
+            // No chance is involved but where in the pixel a path goes: both are means of a smooth function over it.
+            assert!((f64::from(seen[c]) - expected[c]).abs() < 1e-3, "{seen:?} {expected:?}");
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{Element, Matter, Setup};
 use crate::geometry::{Convex, Frame, Rectangle, Shape, Vec3};
+use crate::optics::emission::Emission;
 
 pub(crate) const ACRYLIC: Matter = Matter::Refractive { index: 1.49, absorption: [0.0; 3] };
 
@@ -23,6 +24,7 @@ pub(crate) fn setup(size: f64, elements: Vec<Element>) -> Setup {
         image,
         plate,
         display: Rectangle { frame, size: [size; 2] },
+        emission: Emission::Lambert,
         resolution: [256; 2],
         elements,
         max_interactions: 32,

@@ -2,13 +2,11 @@
 
 use super::setup::{Element, MAX_SOLIDS, Matter, Setup};
 use crate::geometry::{Convex, HeightField, MeshSurface, Shape, Sheet, Vec3};
-use crate::optics::glass;
+use crate::optics::glass::{self, DESIGN_WAVELENGTH};
+use crate::optics::glass_file::GlassFile;
 use crate::scene::model::{self, Facing, HeightSource, Index, Material};
 use crate::scene::{Asset, Loaded};
 use std::sync::Arc;
-
-/// The wavelength that indices are taken at when none is named: the helium d line, micrometres.
-pub const DESIGN_WAVELENGTH: f64 = 0.587_56;
 
 /// Why a scene cannot be traced.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -43,10 +41,14 @@ impl Setup {
             .elements
             .iter()
             .zip(&loaded.assets)
-            .map(|(element, asset)| place(element, asset, wavelength))
+            .enumerate()
+            .map(|(i, (element, asset))| {
+                let glass = loaded.glasses.get(i).and_then(Option::as_deref);
+                place(element, asset, glass, wavelength, scene.display.wavelengths)
+            })
             .collect::<Result<Vec<_>, _>>()?;
         rank(&mut elements, &scene.elements)?;
-        Ok(Self::around(scene, elements))
+        Ok(Self::around(scene, loaded, elements))
     }
 
     /// The set-ups of a scene for the display's red, green and blue, each at the wavelength that stands for it.
@@ -70,16 +72,17 @@ impl Setup {
         scene.elements.clear();
         scene.display.pose = None;
         scene.display.size = None;
-        Self::around(&scene, Vec::new())
+        Self::around(&scene, loaded, Vec::new())
     }
 
-    /// The scene's viewpoint, image, plate and display around these elements.
-    fn around(scene: &model::Scene, elements: Vec<Element>) -> Self {
+    /// The scene's viewpoint, image, plate and display around these elements; `loaded` has the display's files.
+    fn around(scene: &model::Scene, loaded: &Loaded, elements: Vec<Element>) -> Self {
         Self {
             viewpoint: Vec3::from_array(scene.viewpoint),
             image: scene.image.placed(),
             plate: scene.plate.rectangle.placed(),
             display: scene.display_rectangle(),
+            emission: loaded.emission.clone(),
             resolution: scene.display.resolution,
             elements,
             max_interactions: scene.max_interactions,
@@ -88,10 +91,20 @@ impl Setup {
     }
 }
 
-fn place(element: &model::Element, asset: &Asset, wavelength: f64) -> Result<Element, SetupError> {
+/// `wavelength` in micrometres, the display's `colours` in nm.
+fn place(
+    element: &model::Element,
+    asset: &Asset,
+    glass: Option<&GlassFile>,
+    wavelength: f64,
+    colours: [f64; 3],
+) -> Result<Element, SetupError> {
     let matter = match &element.material {
         Material::Refractive { index, absorption } => {
-            Matter::Refractive { index: index_at(index, wavelength)?, absorption: *absorption }
+            let index = index_at(index, glass, wavelength, &element.name)?;
+            let of_glass = || glass.map(|glass| colours.map(|nm| glass.absorption(nm / 1000.0)));
+            let absorption = absorption.or_else(of_glass).unwrap_or_default();
+            Matter::Refractive { index, absorption }
         }
         Material::Mirror { reflectance } => Matter::Mirror { reflectance: *reflectance },
     };
@@ -105,8 +118,16 @@ fn place(element: &model::Element, asset: &Asset, wavelength: f64) -> Result<Ele
     })
 }
 
-fn index_at(index: &Index, wavelength: f64) -> Result<f64, SetupError> {
+fn index_at(
+    index: &Index,
+    glass: Option<&GlassFile>,
+    wavelength: f64,
+    name: &str,
+) -> Result<f64, SetupError> {
     Ok(match index {
+        Index::File(_) => {
+            glass.ok_or_else(|| SetupError::NoAsset(name.to_owned()))?.index(wavelength)
+        }
         Index::Constant(n) => *n,
         // Cauchy 1836, to its second term.
         Index::Cauchy(a, b) => a + b / (wavelength * wavelength),

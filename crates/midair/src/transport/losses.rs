@@ -3,7 +3,7 @@
 use super::path::{Action, Step};
 use super::setup::{Matter, Setup};
 use super::walk::Walk;
-use crate::geometry::Ray;
+use crate::geometry::{Ray, Vec3};
 use crate::optics::interface::{attenuate, beer_lambert, fresnel};
 
 /// What the elements leave of light that goes along a path (either way: both ends are in air), and how it
@@ -15,6 +15,8 @@ pub struct Remainder {
     pub share: [f64; 3],
     /// The path as it meets the plate, towards the display: the point, and a unit vector, in the world.
     pub at_plate: Ray,
+    /// The direction in which the path meets the display: a unit vector, in the world.
+    pub at_display: Vec3,
 }
 
 impl Setup {
@@ -60,7 +62,7 @@ impl Setup {
             let distance = self.display.plane_distance(&walk.ray);
             attenuate(&mut share, beer_lambert(absorption, distance));
         }
-        Some(Remainder { share, at_plate: at_plate? })
+        Some(Remainder { share, at_plate: at_plate?, at_display: walk.ray.direction })
     }
 }
 

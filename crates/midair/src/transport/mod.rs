@@ -10,7 +10,8 @@ mod setup;
 pub(crate) mod tests;
 mod walk;
 
-pub use build::{DESIGN_WAVELENGTH, SetupError};
+pub use crate::optics::glass::DESIGN_WAVELENGTH;
+pub use build::SetupError;
 pub use losses::Remainder;
 pub use path::{Action, End, Path, Step, on_display};
 pub use setup::{Element, MAX_SOLIDS, Matter, Setup};

@@ -3,6 +3,7 @@
 use super::path::{Action, End, Path, Step};
 use super::walk::Walk;
 use crate::geometry::{Crossing, Dual, Frame, Ray, Real, Rectangle, Shape, Vec3};
+use crate::optics::emission::Emission;
 use crate::optics::interface::{reflect, refract};
 use crate::optics::plate::pass_ideal;
 
@@ -50,6 +51,8 @@ pub struct Setup {
     pub plate: Rectangle,
     /// The display; its normal is on the plate's side.
     pub display: Rectangle,
+    /// How the display's light goes with the direction.
+    pub emission: Emission,
     /// Display pixels: width, height.
     pub resolution: [usize; 2],
     /// The distortive objects.
@@ -145,6 +148,15 @@ impl Setup {
                     return End::Display { st, through_plate };
                 }
             }
+        }
+    }
+
+    /// The display's radiance against a ray that meets it with this direction (unit), over that along its normal; linear R, G, B.
+    #[inline]
+    pub fn emitted_against(&self, direction: Vec3) -> [f64; 3] {
+        match &self.emission {
+            Emission::Lambert => [1.0; 3],
+            measured => measured.relative(-direction.dot(self.display.frame.normal())),
         }
     }
 

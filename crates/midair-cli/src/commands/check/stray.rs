@@ -156,19 +156,28 @@ impl Stray {
     /// The image (white) with the two stray images (orange and blue) and what is seen through the plate (green), four times
     /// as wide as the image: luminances over the image's brightest.
     pub fn picture(&self) -> Picture {
-        let most = self.wide.image.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-        let colours = [[1.0, 0.45, 0.1], [0.15, 0.4, 1.0], [0.2, 0.8, 0.3]];
-        let pixels = (0..self.wide.image.len()).map(|pixel| {
-            let mut rgb = [self.wide.image[pixel] / most; 3];
-            for (kind, colour) in self.wide.stray.iter().zip(colours) {
-                (0..3).for_each(|c| rgb[c] += colour[c] * kind[pixel] / most);
-            }
-            let [r, g, b] = rgb.map(|value| value.min(1.0) as f32);
-            [r, g, b, 1.0]
-        });
-        let [width, height] = self.wide.size;
-        Picture { width, height, pixels: pixels.collect() }
+        drawn(&self.wide)
     }
+
+    /// The same, as wide as the image.
+    pub fn close_up(&self) -> Picture {
+        drawn(&self.near)
+    }
+}
+
+fn drawn(view: &StrayView) -> Picture {
+    let most = view.image.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let colours = [[1.0, 0.45, 0.1], [0.15, 0.4, 1.0], [0.2, 0.8, 0.3]];
+    let pixels = (0..view.image.len()).map(|pixel| {
+        let mut rgb = [view.image[pixel] / most; 3];
+        for (kind, colour) in view.stray.iter().zip(colours) {
+            (0..3).for_each(|c| rgb[c] += colour[c] * kind[pixel] / most);
+        }
+        let [r, g, b] = rgb.map(|value| value.min(1.0) as f32);
+        [r, g, b, 1.0]
+    });
+    let [width, height] = view.size;
+    Picture { width, height, pixels: pixels.collect() }
 }
 
 /// A quarter turn of the plate, and the display up to a fifth of its distance nearer to the plate or further off.

@@ -42,8 +42,8 @@ const PLACES: usize = 8;
 /// Width of the close-ups: pixels, and as a share of the image.
 const CLOSE_UP: usize = 192;
 const CLOSE_UP_SHARE: f64 = 0.2;
-/// Lattices are drawn so fine that a close-up shows no pixels of them.
-const DRAWN: usize = 1536;
+/// Pixels that the lattice is drawn with: about as many as a view has of which a close-up is a part.
+const DRAWN: usize = 768;
 
 /// Fringes of a scene at the lines of a lattice, in pixels of a view that is `width` pixels wide; `one` is the scene's map for all colours.
 ///

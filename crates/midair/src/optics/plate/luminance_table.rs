@@ -1,8 +1,9 @@
 //! A measured luminance by viewing direction, in place of the model's efficiency.
 
 use crate::geometry::Vec3;
+use crate::optics::table::{Column, Source, TableError};
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Azimuth and elevation, in degrees, of a direction in some frame: azimuth about +y from +z
 /// towards +x, in -180 to 180; elevation above the plane of x and z, in -90 to 90.
@@ -44,98 +45,26 @@ pub struct LuminanceTable {
     value: Vec<f64>,
 }
 
-/// Why a luminance table cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum LuminanceTableError {
-    /// The file cannot be opened.
-    #[error("luminance table {}: {source}", file.display())]
-    File {
-        /// Which file.
-        file: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
-    /// A line is not what it should be.
-    #[error("luminance table {}, line {line}: {problem}", file.display())]
-    Line {
-        /// Which file.
-        file: PathBuf,
-        /// Line in the file, from 1.
-        line: u64,
-        /// What is wrong, and what helps.
-        problem: String,
-    },
-    /// The points make no grid.
-    #[error("luminance table {}: {problem}", file.display())]
-    Grid {
-        /// Which file.
-        file: PathBuf,
-        /// What is wrong, and what helps.
-        problem: String,
-    },
-}
-
 impl LuminanceTable {
     /// Reads a CSV file.
     ///
     /// # Errors
-    /// A [`LuminanceTableError`]: a file that cannot be read, a line that is no number or names an
+    /// A [`TableError`]: a file that cannot be read, a line that is no number or names an
     /// impossible angle or a negative luminance, points that fill no grid of at least 2 x 2.
-    pub fn read(file: &Path) -> Result<Self, LuminanceTableError> {
-        let open = std::fs::File::open(file)
-            .map_err(|source| LuminanceTableError::File { file: file.to_owned(), source })?;
-        Self::from_csv(open, file)
+    pub fn read(file: &Path) -> Result<Self, TableError> {
+        Self::from_csv(source(file).open()?, file)
     }
 
     /// Reads CSV; `file` is what error messages call it.
     ///
     /// # Errors
     /// As [`Self::read`].
-    pub fn from_csv(csv: impl Read, file: &Path) -> Result<Self, LuminanceTableError> {
-        let at_line =
-            |line, problem| LuminanceTableError::Line { file: file.to_owned(), line, problem };
-        let malformed = |e: csv::Error| {
-            let line = e.position().map_or(1, csv::Position::line);
-            at_line(line, e.to_string())
-        };
-        let mut reader =
-            csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(csv);
-        let header = reader.headers().map_err(malformed)?.clone();
-        let mut columns = [0; 3];
-        for (column, name) in columns.iter_mut().zip(COLUMNS) {
-            let place = header.iter().position(|h| h.trim_start_matches('\u{feff}') == name);
-            *column = place.ok_or_else(|| {
-                at_line(
-                    1,
-                    format!("no column `{name}`; the header must name azimuth,elevation,value"),
-                )
-            })?;
-        }
-
-        let mut points = Vec::new();
-        for record in reader.records() {
-            let record = record.map_err(malformed)?;
-            let line = record.position().map_or(0, csv::Position::line);
-            let mut point = [0.0; 3];
-            for i in 0..3 {
-                let text = &record[columns[i]];
-                let (low, high) = RANGES[i];
-                point[i] = text
-                    .parse()
-                    .ok()
-                    .filter(|v: &f64| v.is_finite() && (low..=high).contains(v))
-                    .ok_or_else(|| {
-                        let range = match i {
-                            2 => "0 or more".to_owned(),
-                            _ => format!("degrees from {low} to {high}"),
-                        };
-                        at_line(line, format!("{} is `{text}`, but must be {range}", COLUMNS[i]))
-                    })?;
-            }
-            points.push(point);
-        }
-        Self::from_points(&points)
-            .map_err(|problem| LuminanceTableError::Grid { file: file.to_owned(), problem })
+    pub fn from_csv(csv: impl Read, file: &Path) -> Result<Self, TableError> {
+        let source = source(file);
+        let (_, rows) = source.rows(csv, &[&COLUMNS])?;
+        let points: Vec<[f64; 3]> =
+            rows.iter().map(|row| [row.values[0], row.values[1], row.values[2]]).collect();
+        Self::from_points(&points).map_err(|problem| source.unfit(problem))
     }
 
     /// Sorts points into a grid; the error says what the points lack.
@@ -206,8 +135,15 @@ impl LuminanceTable {
     }
 }
 
-const COLUMNS: [&str; 3] = ["azimuth", "elevation", "value"];
-const RANGES: [(f64, f64); 3] = [(-180.0, 180.0), (-90.0, 90.0), (0.0, f64::MAX)];
+const COLUMNS: [Column; 3] = [
+    Column { name: "azimuth", range: [-180.0, 180.0], allowed: "degrees from -180 to 180" },
+    Column { name: "elevation", range: [-90.0, 90.0], allowed: "degrees from -90 to 90" },
+    Column::amount("value"),
+];
+
+fn source(file: &Path) -> Source<'_> {
+    Source { what: "luminance table", file }
+}
 
 /// The interval of a sorted axis that `x` lies in, and how far into it (0 to 1).
 fn place(axis: &[f64], x: f64) -> Option<(usize, f64)> {
@@ -224,7 +160,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn parse(text: &str) -> Result<LuminanceTable, LuminanceTableError> {
+    fn parse(text: &str) -> Result<LuminanceTable, TableError> {
         LuminanceTable::from_csv(text.as_bytes(), Path::new("bench.csv"))
     }
 

@@ -10,6 +10,6 @@ mod shares;
 pub mod slit_mirror;
 
 pub use ideal::pass_ideal;
-pub use luminance_table::{LuminanceTable, LuminanceTableError, viewing_angles, viewing_direction};
+pub use luminance_table::{LuminanceTable, viewing_angles, viewing_direction};
 pub use shares::{Shares, luminance};
 pub use slit_mirror::{Class, Passage, PlateError, SlitMirror, SlitMirrorPlate};

@@ -1,0 +1,424 @@
+//! A glass from a file of the refractiveindex.info database: YAML with tables or dispersion formulas.
+//!
+//! The formulas are those of the database's description (M. N. Polyanskiy, Scientific Data 11, 94 (2024)), wavelengths in micrometres.
+
+use super::table::interpolate;
+use saphyr_parser::{Event, Parser};
+use std::path::{Path, PathBuf};
+
+/// What a file says of a glass.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GlassFile {
+    index: Dispersion,
+    /// Wavelengths that the index is given for, micrometres.
+    range: [f64; 2],
+    extinction: Option<Table>,
+}
+
+/// An index by wavelength.
+#[derive(Clone, Debug, PartialEq)]
+enum Dispersion {
+    Formula { number: u8, coefficients: Vec<f64> },
+    Table(Table),
+}
+
+/// Values at ascending wavelengths in micrometres, linear between them.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Table {
+    wavelengths: Vec<f64>,
+    values: Vec<f64>,
+}
+
+impl Table {
+    fn range(&self) -> [f64; 2] {
+        // Tables have at least one line.
+        [self.wavelengths[0], self.wavelengths[self.wavelengths.len() - 1]]
+    }
+}
+
+/// Why a glass file cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum GlassFileError {
+    /// The file cannot be read.
+    #[error("glass {}: {source}", file.display())]
+    File {
+        /// Which file.
+        file: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A line is not what it should be.
+    #[error("glass {}, line {line}: {problem}", file.display())]
+    Line {
+        /// Which file.
+        file: PathBuf,
+        /// Which line, from 1.
+        line: usize,
+        /// What is wrong, and what helps.
+        problem: String,
+    },
+}
+
+/// Files of the database have some kilobytes; the longest tables a megabyte.
+const MOST_BYTES: u64 = 1 << 24;
+
+/// The most coefficients of each formula, from number 1; and the least.
+const COEFFICIENTS: [(usize, usize); 9] =
+    [(3, 17), (3, 17), (3, 17), (5, 17), (3, 17), (3, 17), (2, 6), (4, 4), (6, 6)];
+
+impl GlassFile {
+    /// Reads a YAML file.
+    ///
+    /// # Errors
+    /// [`GlassFileError`] where the file cannot be read or says nothing of an index that could be understood.
+    pub fn read(file: &Path) -> Result<Self, GlassFileError> {
+        use std::io::Read as _;
+        let unreadable = |source| GlassFileError::File { file: file.to_owned(), source };
+        let mut text = String::new();
+        let opened = std::fs::File::open(file).map_err(unreadable)?;
+        opened.take(MOST_BYTES).read_to_string(&mut text).map_err(unreadable)?;
+        Self::from_yaml(&text, file)
+    }
+
+    /// Reads YAML text; `file` is named in errors.
+    ///
+    /// # Errors
+    /// [`GlassFileError::Line`] where a line is wrong.
+    pub fn from_yaml(yaml: &str, file: &Path) -> Result<Self, GlassFileError> {
+        parse(yaml).map_err(|(line, problem)| GlassFileError::Line {
+            file: file.to_owned(),
+            line,
+            problem,
+        })
+    }
+
+    /// Refractive index at a wavelength in micrometres; NaN outside of [`Self::range`].
+    pub fn index(&self, wavelength: f64) -> f64 {
+        if !(self.range[0]..=self.range[1]).contains(&wavelength) {
+            return f64::NAN;
+        }
+        match &self.index {
+            Dispersion::Table(table) => interpolate(&table.wavelengths, &table.values, wavelength),
+            Dispersion::Formula { number, coefficients } => {
+                formula(*number, coefficients, wavelength)
+            }
+        }
+    }
+
+    /// Absorption per mm at a wavelength in micrometres, from the extinction coefficient k: 4 pi k / lambda (Born and Wolf, Principles of Optics, 14.1).
+    /// 0 where the file has no k; NaN outside of its table.
+    pub fn absorption(&self, wavelength: f64) -> f64 {
+        let Some(table) = &self.extinction else { return 0.0 };
+        let [low, high] = table.range();
+        if !(low..=high).contains(&wavelength) {
+            return f64::NAN;
+        }
+        let k = interpolate(&table.wavelengths, &table.values, wavelength);
+        // A wavelength of w micrometres is w / 1000 mm.
+        4.0 * std::f64::consts::PI * k / (wavelength / 1000.0)
+    }
+
+    /// Wavelengths that the index is given for, micrometres.
+    pub fn range(&self) -> [f64; 2] {
+        self.range
+    }
+
+    /// Wavelengths that the absorption is given for, micrometres; `None` if there is none.
+    pub fn absorption_range(&self) -> Option<[f64; 2]> {
+        self.extinction.as_ref().map(Table::range)
+    }
+}
+
+/// A formula's index; NaN where it gives none.
+fn formula(number: u8, c: &[f64], w: f64) -> f64 {
+    let at = |i: usize| c.get(i).copied().unwrap_or(0.0);
+    let w2 = w * w;
+    let pairs = || c[1..].chunks(2).map(|pair| (pair[0], pair.get(1).copied().unwrap_or(0.0)));
+    match number {
+        // Sellmeier, with lengths and with their squares.
+        1 => (1.0 + c[0] + pairs().map(|(b, l)| b * w2 / (w2 - l * l)).sum::<f64>()).sqrt(),
+        2 => (1.0 + c[0] + pairs().map(|(b, l)| b * w2 / (w2 - l)).sum::<f64>()).sqrt(),
+        // Polynomial.
+        3 => (c[0] + pairs().map(|(b, p)| b * w.powf(p)).sum::<f64>()).sqrt(),
+        // RefractiveIndex.INFO: two poles, then powers.
+        4 => {
+            let pole = |i: usize| match at(i) {
+                0.0 => 0.0,
+                strength => strength * w.powf(at(i + 1)) / (w2 - at(i + 2).powf(at(i + 3))),
+            };
+            let powers: f64 = c
+                .get(9..)
+                .unwrap_or_default()
+                .chunks(2)
+                .map(|pair| pair[0] * w.powf(pair.get(1).copied().unwrap_or(0.0)))
+                .sum();
+            (c[0] + pole(1) + pole(5) + powers).sqrt()
+        }
+        // Cauchy.
+        5 => c[0] + pairs().map(|(b, p)| b * w.powf(p)).sum::<f64>(),
+        // Gases.
+        6 => 1.0 + c[0] + pairs().map(|(b, l)| b / (l - 1.0 / w2)).sum::<f64>(),
+        // Herzberger.
+        7 => {
+            let l = 1.0 / (w2 - 0.028);
+            c[0] + at(1) * l + at(2) * l * l + at(3) * w2 + at(4) * w2 * w2 + at(5) * w2 * w2 * w2
+        }
+        // Retro: (n^2 - 1) / (n^2 + 2) is known.
+        8 => {
+            let x = c[0] + c[1] * w2 / (w2 - c[2]) + c[3] * w2;
+            ((1.0 + 2.0 * x) / (1.0 - x)).sqrt()
+        }
+        // Exotic.
+        _ => {
+            let off = w - c[4];
+            (c[0] + c[1] / (w2 - c[2]) + c[3] * off / (off * off + c[5])).sqrt()
+        }
+    }
+}
+
+/// A line and what is wrong with it.
+type Fault = (usize, String);
+
+/// A value of an entry of DATA: its text and line.
+#[derive(Clone, Debug)]
+struct Text {
+    key: String,
+    value: String,
+    line: usize,
+}
+
+/// An entry of the list DATA.
+struct Entry {
+    line: usize,
+    texts: Vec<Text>,
+}
+
+impl Entry {
+    fn text(&self, key: &str) -> Option<&Text> {
+        self.texts.iter().find(|text| text.key == key)
+    }
+
+    fn needed(&self, key: &str) -> Result<&Text, Fault> {
+        self.text(key)
+            .ok_or_else(|| (self.line, format!("this entry of DATA has no `{key}`; add it")))
+    }
+}
+
+fn parse(yaml: &str) -> Result<GlassFile, Fault> {
+    let entries = entries(yaml)?;
+    let mut index: Option<(Dispersion, [f64; 2])> = None;
+    let mut extinction = None;
+    for entry in &entries {
+        let kind = entry.needed("type")?;
+        let words: Vec<&str> = kind.value.split_whitespace().collect();
+        let found = match words[..] {
+            ["tabulated", "n"] => {
+                let [n] = columns(entry, ["n"])?;
+                Some((n.range(), Dispersion::Table(n)))
+            }
+            ["tabulated", "nk"] => {
+                let [n, k] = columns(entry, ["n", "k"])?;
+                extinction = Some(k);
+                Some((n.range(), Dispersion::Table(n)))
+            }
+            ["tabulated", "k"] => {
+                let [k] = columns(entry, ["k"])?;
+                extinction = Some(k);
+                None
+            }
+            ["formula", number] => Some(dispersion(entry, kind, number)?),
+            _ => {
+                let problem = format!(
+                    "the type `{}` is not known; it must be tabulated n, tabulated nk, tabulated k, or formula 1 to formula 9",
+                    kind.value.trim()
+                );
+                return Err((kind.line, problem));
+            }
+        };
+        if let Some((range, dispersion)) = found {
+            if index.is_some() {
+                let problem = "the index is given twice; keep the entry of DATA that is to count";
+                return Err((entry.line, problem.to_owned()));
+            }
+            index = Some((dispersion, range));
+        }
+    }
+    let Some((index, range)) = index else {
+        let line = entries.first().map_or(1, |entry| entry.line);
+        let problem = "DATA says nothing of an index; it needs an entry of type tabulated n, tabulated nk, or formula 1 to formula 9";
+        return Err((line, problem.to_owned()));
+    };
+    Ok(GlassFile { index, range, extinction })
+}
+
+/// A formula's wavelengths and coefficients.
+fn dispersion(entry: &Entry, kind: &Text, number: &str) -> Result<([f64; 2], Dispersion), Fault> {
+    let known = number.parse::<u8>().ok().filter(|number| (1..=9).contains(number));
+    let Some(number) = known else {
+        let problem = format!(
+            "formula {number} is not known; it must be 1 to 9, else give the index as tabulated n"
+        );
+        return Err((kind.line, problem));
+    };
+    let text = entry.needed("coefficients")?;
+    let coefficients = numbers(&text.value).map_err(|problem| (text.line, problem))?;
+    let (least, most) = COEFFICIENTS[usize::from(number) - 1];
+    if !(least..=most).contains(&coefficients.len()) {
+        let many = if least == most { least.to_string() } else { format!("{least} to {most}") };
+        let problem =
+            format!("formula {number} has {many} coefficients; here are {}", coefficients.len());
+        return Err((text.line, problem));
+    }
+    let key = if entry.text("wavelength_range").is_some() { "wavelength_range" } else { "range" };
+    let text = entry.text(key).ok_or_else(|| {
+        let problem =
+            "this formula has no `wavelength_range`; add it, such as 0.4 0.8 (micrometres)";
+        (entry.line, problem.to_owned())
+    })?;
+    match numbers(&text.value).map_err(|problem| (text.line, problem))?[..] {
+        [low, high] if 0.0 < low && low < high => {
+            Ok(([low, high], Dispersion::Formula { number, coefficients }))
+        }
+        _ => {
+            let problem = format!(
+                "the range `{}` must be two wavelengths in micrometres, the shorter one first",
+                text.value.trim()
+            );
+            Err((text.line, problem))
+        }
+    }
+}
+
+/// The columns after the wavelength of an entry's table.
+fn columns<const N: usize>(entry: &Entry, names: [&str; N]) -> Result<[Table; N], Fault> {
+    let text = entry.needed("data")?;
+    let mut tables: [Table; N] = std::array::from_fn(|_| Table::default());
+    for (k, row) in text.value.lines().enumerate() {
+        let line = text.line + k;
+        if row.trim().is_empty() {
+            continue;
+        }
+        let row = numbers(row).map_err(|problem| (line, problem))?;
+        if row.len() != N + 1 {
+            let problem = format!(
+                "{} numbers; a line of this table is a wavelength in micrometres and {}",
+                row.len(),
+                names.join(" and ")
+            );
+            return Err((line, problem));
+        }
+        let wavelength = row[0];
+        let before = tables[0].wavelengths.last().copied().unwrap_or(0.0);
+        if wavelength <= before {
+            let problem =
+                format!("the wavelength {wavelength} must be more than {before}; sort the table");
+            return Err((line, problem));
+        }
+        for (c, table) in tables.iter_mut().enumerate() {
+            let value = row[c + 1];
+            if value < 0.0 {
+                return Err((line, format!("{} is {value}; it cannot be negative", names[c])));
+            }
+            table.wavelengths.push(wavelength);
+            table.values.push(value);
+        }
+    }
+    if tables[0].wavelengths.is_empty() {
+        return Err((text.line, "the table is empty; give it at least one line".to_owned()));
+    }
+    Ok(tables)
+}
+
+/// Numbers between blanks.
+fn numbers(text: &str) -> Result<Vec<f64>, String> {
+    let number = |word: &str| match word.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(format!("`{word}` is not a number")),
+    };
+    text.split_whitespace().map(number).collect()
+}
+
+/// The entries of the top level's list DATA. All else is passed over, however deep.
+fn entries(yaml: &str) -> Result<Vec<Entry>, Fault> {
+    let mut entries: Vec<Entry> = Vec::new();
+    // Collections that are open; whether the next scalar of a mapping is a key; the top level's key; an entry's key.
+    let mut open: Vec<bool> = Vec::new();
+    let (mut is_key, mut within, mut key) = (true, false, None::<String>);
+    let mut data_line = None;
+    for event in Parser::new_from_str(yaml) {
+        let (event, span) = event.map_err(|error| {
+            (error.marker().line(), format!("this is no YAML: {}", error.info()))
+        })?;
+        let line = span.start.line();
+        let depth = open.len();
+        match event {
+            Event::Scalar(text, style, ..) => match (depth, open.last()) {
+                (1, Some(true)) if is_key => {
+                    within = text == "DATA";
+                    if within {
+                        data_line = Some(line);
+                    }
+                    is_key = false;
+                }
+                (1, Some(true)) => is_key = true,
+                (3, Some(true)) if within => {
+                    let entry = entries.last_mut();
+                    match (key.take(), entry) {
+                        (Some(key), Some(entry)) => {
+                            // A block begins on the line after its mark.
+                            let block = style == saphyr_parser::ScalarStyle::Literal;
+                            let line = line + usize::from(block && at_mark(yaml, line));
+                            let value = text.into_owned();
+                            entry.texts.push(Text { key, value, line });
+                        }
+                        _ => key = Some(text.into_owned()),
+                    }
+                }
+                _ => {}
+            },
+            Event::SequenceStart(..) | Event::MappingStart(..) => {
+                let mapping = matches!(event, Event::MappingStart(..));
+                if within && depth == 2 && mapping {
+                    entries.push(Entry { line, texts: Vec::new() });
+                    key = None;
+                }
+                open.push(mapping);
+            }
+            Event::SequenceEnd | Event::MappingEnd => {
+                open.pop();
+                match open.len() {
+                    1 => is_key = true,
+                    // A collection was the value of an entry's key.
+                    3 => key = None,
+                    _ => {}
+                }
+            }
+            Event::Alias(..) => match depth {
+                1 => is_key = !is_key,
+                3 => key = None,
+                _ => {}
+            },
+            _ => {}
+        }
+    }
+    match (entries.is_empty(), data_line) {
+        (false, _) => Ok(entries),
+        (true, Some(line)) => {
+            Err((line, "DATA must be a list of entries, each with a `type`".to_owned()))
+        }
+        (true, None) => Err((
+            1,
+            "there is no DATA; a glass file is YAML as refractiveindex.info has it, with a list DATA".to_owned(),
+        )),
+    }
+}
+
+/// Whether a line ends in the mark of a block of text, rather than being the block's first.
+fn at_mark(yaml: &str, line: usize) -> bool {
+    let text = yaml.lines().nth(line.saturating_sub(1)).unwrap_or_default();
+    let text = text.split(" #").next().unwrap_or_default().trim_end();
+    text.trim_end_matches(['-', '+']).ends_with('|')
+}
+
+#[cfg(test)]
+mod tests;
