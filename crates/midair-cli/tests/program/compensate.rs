@@ -87,11 +87,18 @@ fn it_writes_map_report_and_display_image_as_promised() {
             }
         }
     }
-    // Pixels without an answer are black.
+    // Pixels without an answer are black, but for the ring beside those with one.
     let display = read_still(&bench.path("a/out/display.png")).unwrap().picture;
-    for (pixel, _) in display.pixels.iter().zip(status).filter(|(_, status)| **status > 1) {
-        assert_eq!(pixel[..3], [0.0; 3]);
+    let (width, height) = (display.width, display.height);
+    let mut rim = 0;
+    for (index, pixel) in display.pixels.iter().enumerate().filter(|(i, _)| status[*i] > 1) {
+        let (x, y) = (index % width, index / width);
+        let beside = (y.saturating_sub(1)..height.min(y + 2))
+            .any(|y| (x.saturating_sub(1)..width.min(x + 2)).any(|x| status[y * width + x] <= 1));
+        assert!(beside || pixel[..3] == [0.0; 3]);
+        rim += usize::from(beside && pixel[..3] != [0.0; 3]);
     }
+    assert!(rim > 0);
 }
 
 #[test]

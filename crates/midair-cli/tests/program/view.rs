@@ -37,7 +37,9 @@ fn a_compensated_display_shows_the_picture_from_its_viewpoint_only() {
     // Two resamplings of waves of 20 pixels and more, and 8-bit codes.
     assert!(difference(&right, &picture) < 0.015, "{}", difference(&right, &picture));
     let (aside, _) = view("aside.png", &["--from", "-60,0,800"]);
-    assert!(difference(&aside, &picture) > 0.03, "{}", difference(&aside, &picture));
+    // From there the ball bends it: twice what the resamplings leave, and more.
+    assert!(difference(&aside, &picture) > 0.02, "{}", difference(&aside, &picture));
+    assert!(difference(&aside, &picture) > 2.0 * difference(&right, &picture));
     let (same, _) = view("same.exr", &["--from", "0,0,800", "--supersampling", "3"]);
     // The finer the sampling, the more it is a mean over the pixel, which the picture is not.
     assert!(difference(&same, &picture) < 0.015);
