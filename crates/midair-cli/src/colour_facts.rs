@@ -110,7 +110,7 @@ impl Colour {
                 width_text(fringes.by_colour)
             );
         }
-        lines + &self.stray.lines()
+        lines + &self.stray.line()
     }
 
     /// Rows for the page's summary.

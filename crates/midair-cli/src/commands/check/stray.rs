@@ -75,7 +75,18 @@ impl Stray {
         Ok(Self { near, wide, azimuth, best, limits, display, assumed })
     }
 
-    /// For people.
+    /// How much there is, in one line: for summaries of other things.
+    pub fn line(&self) -> String {
+        let plate = if self.assumed { "with the usual slit-mirror plate, " } else { "" };
+        let better = self.best.view.burden() < self.near.burden();
+        format!(
+            "{plate}{} of the image's light is stray light over it{}\n",
+            percent(self.near.burden()),
+            if better { "; report.html says which pose has less" } else { "" }
+        )
+    }
+
+    /// What there is, where, and what would be better.
     pub fn lines(&self) -> String {
         let mut lines = String::new();
         if self.assumed {
