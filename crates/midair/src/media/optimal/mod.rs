@@ -109,7 +109,7 @@ pub enum OptimalError {
 /// filter's), whose pixels stay where no ray ends. Linear light.
 ///
 /// Both pictures are taken over: at a megapixel what is held at once is what limits a user's machine (60 B a pixel for the matrix and
-/// its transpose where the view is as fine as the display, 91 B for the solver's vectors).
+/// its transpose where the view is as fine as the display, 79 B for the solver's vectors).
 ///
 /// # Errors
 /// [`OptimalError::Size`] where the sizes of `rays`, `target` and their counts disagree or anything is empty.

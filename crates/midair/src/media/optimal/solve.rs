@@ -62,10 +62,9 @@ impl Problem<'_> {
         let (rows, count) = (self.forward.rows(), x.len());
         let weight = |row: usize| self.weights.at(self.target[row]);
         let inverse_diagonal = self.backward.squared_row_sums(weight, Coarse::reciprocal);
-        // The weighted residual: W (A x - target).
-        let mut residual: Vec<Rgb> = vec![[0.0; 3]; rows];
-        let mut objective = self.residual(x, &mut residual);
-        let mut image: Vec<Rgb> = vec![[0.0; 3]; rows];
+        // Between faces the weighted residual, W (A x - target); within a face, which does not need it, the direction's weighted image.
+        let mut in_view: Vec<Rgb> = vec![[0.0; 3]; rows];
+        let mut objective = self.residual(x, &mut in_view);
         let mut direction: Vec<Rgb> = vec![[0.0; 3]; count];
         let mut remainder: Vec<Rgb> = vec![[0.0; 3]; count];
         let mut step: Vec<Rgb> = vec![[0.0; 3]; count];
@@ -76,7 +75,7 @@ impl Problem<'_> {
             // Steepest descent on the free pixels: `remainder` = -gradient there, 0 elsewhere. A free
             // pixel stays free for the whole face.
             let (mask, start) = (&inverse_diagonal, &*x);
-            let mut rz = self.backward.multiply(&residual, &mut remainder, |i, g, _| {
+            let mut rz = self.backward.multiply(&in_view, &mut remainder, |i, g, _| {
                 let (mut down, mut sum, mask) = ([0.0f32; 3], [0.0f64; 3], mask[i].get());
                 for c in 0..3 {
                     let bound = (start[i][c] <= 0.0 && g[c] > 0.0)
@@ -103,14 +102,14 @@ impl Problem<'_> {
             let first = rz;
             let mut inner = 0;
             while inner < effort.steps_per_face && taken < effort.steps {
-                let curvature = self.forward.multiply(&direction, &mut image, |row, q, _| {
+                let curvature = self.forward.multiply(&direction, &mut in_view, |row, q, _| {
                     let w = weight(row);
                     let scaled = std::array::from_fn(|c| w[c] * q[c]);
                     (scaled, std::array::from_fn(|c| f64::from(w[c] * q[c] * q[c])))
                 });
                 let alpha = ratio(rz, curvature).map(|a| a as f32);
                 let previous = rz;
-                rz = self.backward.multiply(&image, &mut remainder, |i, hp, old| {
+                rz = self.backward.multiply(&in_view, &mut remainder, |i, hp, old| {
                     let (mut next, mut sum, inverse) = ([0.0f32; 3], [0.0f64; 3], mask[i].get());
                     for c in 0..3 {
                         if free[i] >> c & 1 == 1 {
@@ -141,15 +140,9 @@ impl Problem<'_> {
             }
             let before = objective;
             // The direction is used up: its memory serves the search.
-            self.projected_search(
-                x,
-                &step,
-                &mut objective,
-                &mut residual,
-                &mut direction,
-                &mut image,
-            );
-            if (0..3).all(|c| before[c] - objective[c] <= effort.tolerance * before[c]) {
+            let moved =
+                self.projected_search(x, &step, &mut objective, &mut in_view, &mut direction);
+            if !moved || (0..3).all(|c| before[c] - objective[c] <= effort.tolerance * before[c]) {
                 break;
             }
         }
@@ -168,16 +161,16 @@ impl Problem<'_> {
     }
 
     /// Moves `x` along `step`, clamped to \[0, 1\], halving the step of a channel until its objective
-    /// is no larger than before.
+    /// is no larger than before, and `residual` becomes the new one's; whether there was such a step (if not, `x` stays and `residual` has no
+    /// meaning).
     fn projected_search(
         &self,
         x: &mut Vec<Rgb>,
         step: &[Rgb],
         objective: &mut [f64; 3],
-        residual: &mut Vec<Rgb>,
+        residual: &mut [Rgb],
         trial: &mut Vec<Rgb>,
-        trial_residual: &mut Vec<Rgb>,
-    ) {
+    ) -> bool {
         let mut length = [1.0f32; 3];
         for halving in 0..12 {
             let start = &*x;
@@ -186,7 +179,7 @@ impl Problem<'_> {
                     value[c] = (start[i][c] + length[c] * step[i][c]).clamp(0.0, 1.0);
                 }
             });
-            let reached = self.residual(trial, trial_residual);
+            let reached = self.residual(trial, residual);
             let mut done = true;
             for c in 0..3 {
                 if reached[c] > objective[c] {
@@ -197,10 +190,10 @@ impl Problem<'_> {
             }
             if done {
                 std::mem::swap(x, trial);
-                std::mem::swap(residual, trial_residual);
                 *objective = reached;
-                return;
+                return true;
             }
         }
+        false
     }
 }
