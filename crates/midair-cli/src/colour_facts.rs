@@ -257,8 +257,7 @@ fn fringe_table(fringes: &Fringes) -> Table {
 /// The gain as a picture, stretched so that its least and its largest share differ; black where there is no answer.
 fn gain_picture(gain: &Gain) -> Picture {
     let tone = Tone::of(gain.range().unwrap_or_default());
-    let pixel =
-        |rgb: &[f32; 3]| tone.pixel(rgb.iter().all(|share| share.is_finite()).then_some(*rgb));
+    let pixel = |rgb: &[f32; 3]| tone.pixel(Gain::is_answered(rgb).then_some(*rgb));
     Picture { width: gain.width, height: gain.height, pixels: gain.rgb.iter().map(pixel).collect() }
 }
 

@@ -80,15 +80,16 @@ pub fn with_rim(map: &Map) -> Map {
 impl Gain {
     /// The gain for a display coloured through [`with_rim`]: in the ring around what is known it is the mean of the known neighbours.
     pub fn with_rim(&self) -> Self {
-        let known = |rgb: &[f32; 3]| rgb.iter().all(|value| value.is_finite());
         let mut wider = self.clone();
-        for (index, rgb) in wider.rgb.iter_mut().enumerate().filter(|(_, rgb)| !known(rgb)) {
+        for (index, rgb) in
+            wider.rgb.iter_mut().enumerate().filter(|(_, rgb)| !Self::is_answered(rgb))
+        {
             let (column, row) = (index % self.width, index / self.width);
             let (mut sum, mut count) = ([0.0; 3], 0.0);
             for y in row.saturating_sub(1)..self.height.min(row + 2) {
                 for x in column.saturating_sub(1)..self.width.min(column + 2) {
                     let near = &self.rgb[y * self.width + x];
-                    if known(near) {
+                    if Self::is_answered(near) {
                         (0..3).for_each(|c| sum[c] += near[c]);
                         count += 1.0;
                     }

@@ -79,6 +79,11 @@ pub struct Gain {
 }
 
 impl Gain {
+    /// Whether a pixel's share of R, G, B is known.
+    pub fn is_answered(rgb: &[f32; 3]) -> bool {
+        rgb.iter().all(|share| share.is_finite())
+    }
+
     /// The least and the largest share of any colour; `None` where no pixel has an answer.
     pub fn range(&self) -> Option<[f32; 2]> {
         let known = self.rgb.iter().flatten().copied().filter(|share| share.is_finite());

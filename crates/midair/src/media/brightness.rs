@@ -51,11 +51,11 @@ impl Evening {
 
     /// The level that lets a display image be shown as `overflow` says.
     fn new(gain: &Gain, overflow: Overflow, image: impl Iterator<Item = [f32; 3]>) -> Self {
-        let answered = || gain.rgb.iter().filter(|gain| is_answered(gain));
+        let answered = || gain.rgb.iter().filter(|gain| Gain::is_answered(gain));
         let level = match overflow {
             Overflow::Fit => image
                 .zip(&gain.rgb)
-                .filter(|(_, gain)| is_answered(gain))
+                .filter(|(_, gain)| Gain::is_answered(gain))
                 .flat_map(|(pixel, gain)| {
                     (0..3)
                         .filter(move |&c| pixel[c] > 0.0)
@@ -75,7 +75,7 @@ impl Evening {
         };
         // Nothing lit: any level will do.
         let level = if level.is_finite() { level } else { 1.0 };
-        let factor = |gain: &[f32; 3]| match is_answered(gain) {
+        let factor = |gain: &[f32; 3]| match Gain::is_answered(gain) {
             // Finite, so that no light at all times no gain at all is no light.
             true => gain.map(|g| (level / f64::from(g)).min(f64::from(f32::MAX)) as f32),
             false => [1.0; 3],
@@ -122,10 +122,6 @@ impl Evening {
         let wanted = self.wanted(pixel, c, light);
         if self.soft && wanted > KNEE { roll_off(wanted).min(1.0) } else { wanted.min(1.0) }
     }
-}
-
-fn is_answered(gain: &[f32; 3]) -> bool {
-    gain.iter().all(|g| g.is_finite())
 }
 
 /// Divides the gain out of a display image, so that the mid-air image shows the picture with one brightness all over: the viewer sees

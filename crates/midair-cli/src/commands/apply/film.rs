@@ -1,9 +1,9 @@
 //! Films: frame by frame, piece by piece.
 
+use super::Arguments;
 use super::frames::{Frame, Frames, WAITING};
 use super::parts::{Job, Piece, extension, in_a_row};
 use super::warper::{Warper, picture};
-use super::{Arguments, Ready};
 use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::summary::{Counts, Voice, milliseconds};
@@ -20,9 +20,7 @@ use std::time::{Duration, Instant};
 /// A film made of a film.
 pub fn of_film(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let film = open(arguments)?;
-    let mut ready = arguments.read_map(film.size)?;
-    let evening = ready.evening();
-    let Ready { map, mut notes, .. } = ready;
+    let (map, evening, mut notes) = arguments.read_map(film.size)?.for_many();
     let deep = film.deep || film.colour.curve() != Curve::Srgb;
     notes.extend(remarks(&film));
     let work = Work {
@@ -45,9 +43,7 @@ pub fn of_stills(arguments: &Arguments, from: &Sequence, voice: Voice) -> Result
     let numbers = from.numbers()?;
     let first = read_still(&from.file(numbers[0]))?;
     let size = [first.picture.width, first.picture.height];
-    let mut ready = arguments.read_map(size)?;
-    let evening = ready.evening();
-    let Ready { map, notes, .. } = ready;
+    let (map, evening, notes) = arguments.read_map(size)?.for_many();
     let deep = first.depth != Depth::Eight;
     // Rates such as 29.97 to the thousandth.
     let rate = [(arguments.rate * 1000.0).round().max(1.0) as u64, 1000];
@@ -64,9 +60,7 @@ pub fn of_stills(arguments: &Arguments, from: &Sequence, voice: Voice) -> Result
 pub fn into_stills(arguments: &Arguments, to: &Sequence, voice: Voice) -> Result<(), Failure> {
     crate::arguments::check_picture_name(&arguments.output)?;
     let film = open(arguments)?;
-    let mut ready = arguments.read_map(film.size)?;
-    let evening = ready.evening();
-    let Ready { map, mut notes, .. } = ready;
+    let (map, evening, mut notes) = arguments.read_map(film.size)?.for_many();
     let curve = film.colour.curve();
     let deep = film.deep || curve != Curve::Srgb;
     notes.extend(remarks(&film));

@@ -125,12 +125,15 @@ struct Ready {
 }
 
 impl Ready {
-    /// The gain for pictures that belong together: all at the level of white.
-    fn evening(&mut self) -> Option<Evening> {
-        let (gain, mode) = self.gain.as_ref()?;
-        let evening = Evening::for_white(gain, mode.overflow());
-        self.notes.push(evened(*mode, evening.level()));
-        Some(evening)
+    /// For pictures that belong together: the map, the gain to divide out of all at the level of white, and what is to be said.
+    fn for_many(self) -> (Map, Option<Evening>, Vec<String>) {
+        let Self { map, gain, mut notes } = self;
+        let evening = gain.map(|(gain, mode)| {
+            let evening = Evening::for_white(&gain, mode.overflow());
+            notes.push(evened(mode, evening.level()));
+            evening
+        });
+        (map, evening, notes)
     }
 }
 

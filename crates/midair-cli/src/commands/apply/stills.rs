@@ -66,10 +66,8 @@ pub fn each(
     let numbers = from.numbers()?;
     let first = read_still(&from.file(numbers[0]))?.picture;
     let size = [first.width, first.height];
-    let mut ready = arguments.read_map(size)?;
     // All at one level, as a film's.
-    let evening = ready.evening();
-    let Ready { map, mut notes, .. } = ready;
+    let (map, evening, mut notes) = arguments.read_map(size)?.for_many();
     std::fs::create_dir_all(to.folder())
         .map_err(|error| midair::map::format::FileError::io(to.folder(), "create", error))?;
     let job = Job::of_stills(arguments, to, &map)?;

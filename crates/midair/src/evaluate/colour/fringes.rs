@@ -1,6 +1,6 @@
 //! Colour fringes at a lattice's lines, with one map for all colours and with one for each.
 
-use super::super::lattice::{LatticeStyle, LatticeStyleError, draw_lattice};
+use super::super::lattice::{LatticeStyle, draw_lattice};
 use super::super::proof::displacement::Sight;
 use super::super::proof::{ProofError, view_size};
 use super::{coarse, shows};
@@ -120,33 +120,30 @@ fn close_ups(
     about: [f64; 2],
 ) -> Result<[Picture; 2], ProofError> {
     let style = LatticeStyle { line: [1.0; 4], ground: [0.0, 0.0, 0.0, 1.0], ..style.clone() };
-    let drawn: Result<Picture, LatticeStyleError> = draw_lattice(DRAWN, DRAWN, &style);
-    let drawn = drawn?;
+    let drawn = draw_lattice(DRAWN, DRAWN, &style)?;
     let three = three.each_ref().map(with_rim);
     let displays =
         [display_image(&drawn, &with_rim(one)), display_image_by_colour(&drawn, three.each_ref())];
     let half = 0.5 * CLOSE_UP_SHARE;
     let middle = main.image.point(about.map(|c| c.clamp(half, 1.0 - half)));
-    let mut views = [None, None];
-    for (c, setup) in setups.iter().enumerate() {
-        // What a ray meets does not depend on the image: a smaller one is a closer look.
+    // What a ray meets does not depend on the image: a smaller one is a closer look.
+    let closer = |setup: &Setup| {
         let mut closer = setup.clone();
         closer.image.frame.origin = middle;
         closer.image.size = closer.image.size.map(|side| side * CLOSE_UP_SHARE);
-        let size = view_size(&closer, CLOSE_UP);
-        let camera = Camera::at_viewpoint(&closer, size);
+        closer
+    };
+    let [width, height] = view_size(&closer(main), CLOSE_UP);
+    let mut views = [0, 1].map(|_| Picture::filled(width, height, [0.0, 0.0, 0.0, 1.0]));
+    for (c, setup) in setups.iter().enumerate() {
+        let closer = closer(setup);
+        let camera = Camera::at_viewpoint(&closer, [width, height]);
         let samples = ViewSamples::of(&camera.rays(&closer), &|_| {});
         for (view, display) in views.iter_mut().zip(&displays) {
             let seen = view_through(&samples, display)?;
-            match view {
-                None => *view = Some(seen),
-                Some(view) => {
-                    let pixels = view.pixels.iter_mut().zip(&seen.pixels);
-                    pixels.for_each(|(pixel, seen)| pixel[c] = seen[c]);
-                }
-            }
+            let pixels = view.pixels.iter_mut().zip(&seen.pixels);
+            pixels.for_each(|(pixel, seen)| pixel[c] = seen[c]);
         }
     }
-    let empty = || Picture::filled(1, 1, [0.0; 4]);
-    Ok(views.map(|view| view.unwrap_or_else(empty)))
+    Ok(views)
 }
