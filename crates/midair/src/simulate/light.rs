@@ -4,7 +4,9 @@ use super::Measured;
 use crate::geometry::{Frame, Ray, Vec3};
 use crate::media::Picture;
 use crate::optics::interface::{attenuate, beer_lambert, fresnel, reflect, refract_with};
-use crate::optics::plate::{Class, LuminanceTable, PlateError, SlitMirrorPlate, pass_ideal};
+use crate::optics::plate::{
+    Class, LayerPlanes, LuminanceTable, PlateError, SlitMirrorPlate, pass_ideal,
+};
 use crate::scene::model::PlateModel;
 use crate::transport::{Action, Matter, Setup, Step, Walk};
 
@@ -29,6 +31,15 @@ impl Plate {
             PlateModel::Ideal => Self::Ideal,
             PlateModel::SlitMirror(parameters) => Self::from(SlitMirrorPlate::new(*parameters)?),
         })
+    }
+
+    /// Where its two layers are symmetric; `None` where plane and layers are one.
+    pub fn layers(&self) -> Option<LayerPlanes> {
+        match self {
+            Self::Ideal => None,
+            Self::SlitMirror(plate) => Some(LayerPlanes::new(plate.parameters())),
+            Self::Measured(measured) => measured.model.layers(),
+        }
     }
 
     /// Luminance of the mid-air image over the display's, for light that leaves the plate along a unit vector in the

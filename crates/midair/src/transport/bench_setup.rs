@@ -23,6 +23,7 @@ pub(crate) fn setup(size: f64, elements: Vec<Element>) -> Setup {
         viewpoint: Vec3::new(0.0, 0.0, 800.0),
         image,
         plate,
+        layers: None,
         display: Rectangle { frame, size: [size; 2] },
         emission: Emission::Lambert,
         resolution: [256; 2],

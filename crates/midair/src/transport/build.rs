@@ -4,7 +4,8 @@ use super::setup::{Element, MAX_SOLIDS, Matter, Setup};
 use crate::geometry::{Convex, HeightField, MeshSurface, Shape, Sheet, Vec3};
 use crate::optics::glass::{self, DESIGN_WAVELENGTH};
 use crate::optics::glass_file::GlassFile;
-use crate::scene::model::{self, Facing, HeightSource, Index, Material};
+use crate::optics::plate::LayerPlanes;
+use crate::scene::model::{self, Facing, HeightSource, Index, Material, PlateModel};
 use crate::scene::{Asset, Loaded};
 use std::sync::Arc;
 
@@ -81,6 +82,10 @@ impl Setup {
             viewpoint: Vec3::from_array(scene.viewpoint),
             image: scene.image.placed(),
             plate: scene.plate.rectangle.placed(),
+            layers: match &scene.plate.model {
+                PlateModel::Ideal => None,
+                PlateModel::SlitMirror(plate) => Some(LayerPlanes::new(plate)),
+            },
             display: scene.display_rectangle(),
             emission: loaded.emission.clone(),
             resolution: scene.display.resolution,

@@ -39,7 +39,8 @@ impl Setup {
                 );
             }
             if step.action == Action::Plate {
-                at_plate = Some(Ray { origin: ahead.origin, direction: ray.direction });
+                let origin = ray.at(self.plate.plane_distance(&ray));
+                at_plate = Some(Ray { origin, direction: ray.direction });
                 walk.leave_plate(ahead);
                 continue;
             }

@@ -15,7 +15,7 @@ pub enum Action {
     Reflect,
     /// The surface lies inside a solid of higher priority (or between equal media): nothing happens.
     Pass,
-    /// Through the ideal plate: plane symmetry.
+    /// Through the plate: plane symmetry, in one plane or in one for each layer.
     Plate,
 }
 

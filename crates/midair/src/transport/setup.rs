@@ -5,7 +5,7 @@ use super::walk::Walk;
 use crate::geometry::{Crossing, Dual, Frame, Ray, Real, Rectangle, Shape, Vec3};
 use crate::optics::emission::Emission;
 use crate::optics::interface::{reflect, refract};
-use crate::optics::plate::pass_ideal;
+use crate::optics::plate::{LayerPlanes, pass_ideal};
 
 /// What an element is made of, at one wavelength.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,6 +49,8 @@ pub struct Setup {
     pub image: Rectangle,
     /// The plate; its normal is on the viewer's side.
     pub plate: Rectangle,
+    /// The planes of symmetry of its two layers; `None` for an ideal plate, which has one.
+    pub layers: Option<LayerPlanes>,
     /// The display; its normal is on the plate's side.
     pub display: Rectangle,
     /// How the display's light goes with the direction.
@@ -135,8 +137,8 @@ impl Setup {
                         seamless: false,
                         action: Action::Plate,
                     };
+                    let at = self.plate.coordinates(ray.at(goal_distance));
                     walk.leave_plate(self.advance(&ray, &step));
-                    let at = self.plate.coordinates(walk.ray.origin);
                     plate_passed = Some(at.iter().all(|c| (0.0..=1.0).contains(c)));
                     path.push(step);
                 }
@@ -163,9 +165,7 @@ impl Setup {
     /// One step of a path whose course is known. NaN where the step is not possible.
     pub fn advance<T: Real>(&self, ray: &Ray<T>, step: &Step) -> Ray<T> {
         if step.action == Action::Plate {
-            let origin = ray.at(self.plate.plane_distance(ray));
-            let normal = Vec3::constant(self.plate.frame.normal());
-            return Ray { origin, direction: pass_ideal(ray.direction, normal) };
+            return self.pass_plate(ray);
         }
         let (t, direction, normal) = self.facet(ray, step);
         let origin = ray.at(t);
@@ -176,6 +176,18 @@ impl Setup {
         };
         let frame = &self.elements[usize::from(step.element)].frame;
         Ray { origin, direction: frame.to_world_direction(direction) }
+    }
+
+    /// The plate: the ray behind it sets out from the plate's plane.
+    fn pass_plate<T: Real>(&self, ray: &Ray<T>) -> Ray<T> {
+        let frame = &self.plate.frame;
+        let mut origin = ray.at(self.plate.plane_distance(ray));
+        if let Some(layers) = &self.layers {
+            let [x, y] = layers.shift(frame.to_local_direction(ray.direction));
+            let [right, up, _] = frame.axes.map(Vec3::constant);
+            origin = origin + right.scaled(x) + up.scaled(y);
+        }
+        Ray { origin, direction: pass_ideal(ray.direction, Vec3::constant(frame.normal())) }
     }
 
     /// Where a ray crosses the surface of a step at an element: the distance, and in the element's frame

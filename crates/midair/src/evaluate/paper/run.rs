@@ -100,9 +100,11 @@ pub fn quality<E: From<PaperError>>(
     watch: &dyn Watch,
     mut done: impl FnMut(QualityView) -> Result<(), E>,
 ) -> Result<(), E> {
-    let stage = Stage::new(subject.scene).map_err(PaperError::from)?;
+    let stage = Stage::new(subject.scene, plate).map_err(PaperError::from)?;
     let image = stage.image();
-    let compensation = stage.compensation(stage.viewpoint(), 1536)?;
+    let [compensated, plain] =
+        [true, false].map(|with_object| stage.display(stage.viewpoint(), with_object, 1536));
+    let (compensated, plain) = (compensated?, plain?);
     let height = (settings.quality_width as f64 * image.size[1] / image.size[0]).round();
     let camera = Camera {
         eye: stage.viewpoint(),
@@ -113,7 +115,6 @@ pub fn quality<E: From<PaperError>>(
     watch.stage(&format!("{}: views", subject.surface), photographs.len());
     for photograph in photographs {
         let take = |seed| Take {
-            plate,
             camera,
             aperture: settings.aperture,
             samples_per_pixel: settings.samples_per_pixel,
@@ -121,13 +122,13 @@ pub fn quality<E: From<PaperError>>(
             light: Light::All,
         };
         let picture = cropped(&photograph.picture, image.size[0] / image.size[1]);
-        let as_is = stage.as_is(&picture);
+        let uncompensated = plain.showing(&picture);
         let view = |shown, with_object, seed| {
             stage.view(shown, with_object, take(seed)).map_err(PaperError::from)
         };
-        let reference = view(&as_is, false, 0)?;
-        let without = view(&as_is, true, 1)?;
-        let with = view(&compensation.shown(&picture), true, 2)?;
+        let reference = view(&uncompensated, false, 0)?;
+        let without = view(&uncompensated, true, 1)?;
+        let with = view(&compensated.showing(&picture), true, 2)?;
         let exposure = mean_light(&picture) / mean_light(&reference).max(1e-6);
         let [reference, with, without] =
             [reference, with, without].map(|view| exposed(&view, exposure));
@@ -194,15 +195,14 @@ pub fn shape<E: From<PaperError>>(
     watch: &dyn Watch,
     mut done: impl FnMut(f64, [Picture; 4]) -> Result<(), E>,
 ) -> Result<(Shape, Vec<String>), E> {
-    let stage = Stage::new(subject.scene).map_err(PaperError::from)?;
+    let stage = Stage::new(subject.scene, plate).map_err(PaperError::from)?;
     let image = stage.image();
     // Lines that end at the image's border: what sticks out of the lattice lets its outer crossings be measured from both sides.
     let mut style = LatticeStyle { line_width: settings.line_width, ..LatticeStyle::default() };
     style.overhang = style.margin;
     let [columns, rows] = [768, (768.0 * image.size[1] / image.size[0]).round() as usize];
     let drawn = draw_lattice(columns, rows.max(1), &style).map_err(PaperError::from)?;
-    let as_is = stage.as_is(&drawn);
-    let straight = stage.compensation(stage.viewpoint(), 768)?.shown(&drawn);
+    let straight = stage.display(stage.viewpoint(), true, 768)?.showing(&drawn);
     let mut notes = Vec::new();
     let mut views = Vec::new();
     watch.stage(&format!("{}: lattice", subject.surface), settings.azimuths.len());
@@ -220,7 +220,6 @@ pub fn shape<E: From<PaperError>>(
                           seed|
          -> Result<(Picture, Points), PaperError> {
             let take = Take {
-                plate,
                 camera,
                 aperture: settings.aperture,
                 samples_per_pixel: settings.shape_samples_per_pixel,
@@ -251,11 +250,12 @@ pub fn shape<E: From<PaperError>>(
             };
             Ok((view, points))
         };
-        let (seen_reference, reference) = points(&as_is, false, "reference", 0)?;
-        let (seen_without, without) = points(&as_is, true, "without compensation", 1)?;
+        let plain = stage.display(eye, false, 768)?.showing(&drawn);
+        let (seen_reference, reference) = points(&plain, false, "reference", 0)?;
+        let (seen_without, without) = points(&plain, true, "without compensation", 1)?;
         let (seen_kept, kept) = points(&straight, true, "compensated for 0°", 2)?;
-        let (seen_with, with) = match stage.compensation(eye, 768) {
-            Ok(own) => points(&own.shown(&drawn), true, "compensated", 3)?,
+        let (seen_with, with) = match stage.display(eye, true, 768) {
+            Ok(own) => points(&own.showing(&drawn), true, "compensated", 3)?,
             Err(error @ PaperError::NothingFormed { .. }) => {
                 notes.push(error.to_string());
                 let [width, height] = camera.size;

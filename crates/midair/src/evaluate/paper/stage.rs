@@ -1,8 +1,7 @@
 //! What stands before the camera: with and without the object, shown compensated and as it is.
 
-use crate::evaluate::proof::uncompensated_map;
 use crate::geometry::{Rectangle, Vec3};
-use crate::map::{Accuracy, invert};
+use crate::map::{Accuracy, Map, invert, with_rim};
 use crate::media::{Picture, display_image};
 use crate::scene::model::{Material, Shape};
 use crate::scene::{Asset, Loaded};
@@ -50,8 +49,7 @@ pub(super) struct Stage<'a> {
     object: Setup,
     /// Without it: solids taken away, bent mirrors made flat, for without a mirror the image could not be seen from there.
     without: Setup,
-    /// Where a display without compensation stands: the image's own size, where it belongs without the object.
-    as_is: Rectangle,
+    plate: &'a Plate,
 }
 
 /// A display in its place, and what it shows.
@@ -62,8 +60,7 @@ pub(super) struct Shown {
 
 /// How a view is taken.
 #[derive(Clone, Copy)]
-pub(super) struct Take<'a> {
-    pub plate: &'a Plate,
+pub(super) struct Take {
     pub camera: Camera,
     /// Diameter of the pupil, mm.
     pub aperture: f64,
@@ -74,8 +71,11 @@ pub(super) struct Take<'a> {
 }
 
 impl<'a> Stage<'a> {
-    pub fn new(loaded: &'a Loaded) -> Result<Self, SetupError> {
+    pub fn new(loaded: &'a Loaded, plate: &'a Plate) -> Result<Self, SetupError> {
         let mut flat = loaded.clone();
+        // Where the image belongs without the object.
+        flat.scene.display.pose = None;
+        flat.scene.display.size = None;
         let mirrors = loaded.scene.elements.iter().zip(&loaded.assets);
         let mirrors = mirrors.filter(|(e, _)| matches!(e.material, Material::Mirror { .. }));
         (flat.scene.elements, flat.assets) =
@@ -90,15 +90,11 @@ impl<'a> Stage<'a> {
             element.shape = Shape::Plane { size };
             *asset = Asset::None;
         }
-        let mut scene = loaded.scene.clone();
-        scene.display.pose = None;
-        scene.display.size = None;
-        Ok(Self {
-            loaded,
-            object: Setup::new(loaded)?,
-            without: Setup::new(&flat)?,
-            as_is: scene.display_rectangle(),
-        })
+        let through = |loaded: &Loaded| {
+            let setup = Setup::new(loaded)?;
+            Ok(Setup { layers: plate.layers(), ..setup })
+        };
+        Ok(Self { loaded, object: through(loaded)?, without: through(&flat)?, plate })
     }
 
     pub fn image(&self) -> Rectangle {
@@ -109,18 +105,15 @@ impl<'a> Stage<'a> {
         self.object.viewpoint
     }
 
-    /// A picture shown as it is.
-    pub fn as_is(&self, picture: &Picture) -> Shown {
-        let mut setup = self.object.clone();
-        setup.display = self.as_is;
-        setup.resolution = [picture.width, picture.height];
-        let map = uncompensated_map(self.loaded, &setup);
-        Shown { place: self.as_is, picture: display_image(picture, &map) }
-    }
-
-    /// What compensates for the object as seen from `eye`, on a display that covers all of the image with `columns` pixels in a row.
-    pub fn compensation(&self, eye: Vec3, columns: usize) -> Result<Compensation, PaperError> {
-        let mut setup = self.object.clone();
+    /// What the display must show for an eye that sees the image through the object (`with_object`) or as if it were not there, on a
+    /// display that covers all of the image with `columns` pixels in a row.
+    pub fn display(
+        &self,
+        eye: Vec3,
+        with_object: bool,
+        columns: usize,
+    ) -> Result<Display, PaperError> {
+        let mut setup = if with_object { self.object.clone() } else { self.without.clone() };
         setup.viewpoint = eye;
         setup.display = covering(&setup).ok_or_else(|| PaperError::NothingFormed {
             surface: self.loaded.scene.name.clone(),
@@ -132,7 +125,7 @@ impl<'a> Stage<'a> {
         let rows = (columns as f64 * height / width).round();
         setup.resolution = [columns, (rows as usize).clamp(1, 4 * columns)];
         let (map, _) = invert(&setup, Accuracy::default());
-        Ok(Compensation { place: setup.display, map })
+        Ok(Display { place: setup.display, map: with_rim(&map) })
     }
 
     /// The view of what is shown, with the object or without it; linear light.
@@ -149,19 +142,19 @@ impl<'a> Stage<'a> {
         let settings =
             RenderSettings { samples_per_pixel: take.samples_per_pixel, seed: take.seed };
         let rendered =
-            render(&setup, take.plate, &shown.picture, &viewer, &settings, Watch::default())?;
+            render(&setup, self.plate, &shown.picture, &viewer, &settings, Watch::default())?;
         Ok(rendered.view(take.light))
     }
 }
 
-/// The map for an eye, and the display that it is for.
-pub(super) struct Compensation {
+/// A display for one eye: where it stands, and the map that it is coloured through.
+pub(super) struct Display {
     place: Rectangle,
-    map: crate::map::Map,
+    map: Map,
 }
 
-impl Compensation {
-    pub fn shown(&self, picture: &Picture) -> Shown {
+impl Display {
+    pub fn showing(&self, picture: &Picture) -> Shown {
         Shown { place: self.place, picture: display_image(picture, &self.map) }
     }
 }

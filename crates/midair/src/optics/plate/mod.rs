@@ -5,11 +5,13 @@
 
 pub mod character;
 mod ideal;
+mod layer_planes;
 mod luminance_table;
 mod shares;
 pub mod slit_mirror;
 
 pub use ideal::pass_ideal;
+pub use layer_planes::LayerPlanes;
 pub use luminance_table::{LuminanceTable, viewing_angles, viewing_direction};
 pub use shares::{Shares, luminance};
 pub use slit_mirror::{Class, Passage, PlateError, SlitMirror, SlitMirrorPlate};

@@ -31,7 +31,7 @@
 //! Values: Kiuchi and Koizumi, Computers & Graphics 96, 2021. Left out: diffraction at the slits,
 //! mirrors that are not quite parallel, and light reflected to and fro between the outer faces.
 
-use crate::geometry::Vec3;
+use crate::geometry::{Real, Vec3};
 use crate::optics::interface::{beer_lambert, fresnel};
 
 /// The micro-structure of a slit-mirror plate; [the module](self) explains each value.
@@ -277,16 +277,14 @@ impl SlitMirrorPlate {
 
     /// Components across layer 0's mirrors and across layer 1's, of local x and y.
     #[inline]
-    pub fn across(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        let (s, c) = self.turn;
-        [c * y - s * x, c * x + s * y]
+    pub fn across(&self, xy: [f64; 2]) -> [f64; 2] {
+        across(self.turn, xy)
     }
 
     /// Local x and y of components across the mirrors: the inverse of [`Self::across`].
     #[inline]
-    pub fn across_inverse(&self, [a, b]: [f64; 2]) -> [f64; 2] {
-        let (s, c) = self.turn;
-        [c * b - s * a, c * a + s * b]
+    pub fn across_inverse(&self, ab: [f64; 2]) -> [f64; 2] {
+        across_inverse(self.turn, ab)
     }
 
     /// Crosses the plate in the plane across one layer's mirrors.
@@ -310,6 +308,18 @@ impl SlitMirrorPlate {
         let (folded, slope) = if odd { (self.clear - rest, -slope) } else { (rest, slope) };
         Crossing { exit: space + folded + slope * after, mirrors, odd, open }
     }
+}
+
+/// [`SlitMirrorPlate::across`] for mirrors of this direction: sine and cosine of the azimuth.
+#[inline]
+pub(super) fn across<T: Real>((s, c): (f64, f64), [x, y]: [T; 2]) -> [T; 2] {
+    [y * c - x * s, x * c + y * s]
+}
+
+/// [`SlitMirrorPlate::across_inverse`], likewise.
+#[inline]
+pub(super) fn across_inverse<T: Real>((s, c): (f64, f64), [a, b]: [T; 2]) -> [T; 2] {
+    [b * c - a * s, a * c + b * s]
 }
 
 /// A ray's way across one layer, in the plane across its mirrors.
