@@ -9,6 +9,7 @@ use super::*;
 use crate::evaluate::Plane;
 
 mod cut;
+mod paper;
 mod refusals;
 mod views;
 
