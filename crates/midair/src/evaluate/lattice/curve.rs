@@ -24,8 +24,8 @@ impl Curve {
     /// `before[0]` lies between the crossing and the one before it, `before[1]` beyond that one.
     ///
     /// A longer stretch with a stiffer curve averages more noise but follows bends less. Stretches
-    /// are tried from the shortest up, and the last one taken whose answer at the crossing still
-    /// agrees with all shorter ones' within their errors (Lepski 1990).
+    /// are tried from the shortest up, as long as their answers at the crossing agree with all earlier ones' within their
+    /// errors (Lepski 1990), and of those the most certain is taken.
     pub fn through(
         origin: [f64; 2],
         before: &[&[[f64; 2]]],
@@ -35,11 +35,11 @@ impl Curve {
         let both = nearest(before) >= SHORT && nearest(after) >= SHORT;
         let far = usize::MAX;
         // Segments on either side, and the polynomial's degree. From one side the crossing is
-        // extrapolated, where every further degree multiplies noise.
+        // extrapolated, where every further degree multiplies noise: begin with parabolas.
         let tries: &[(usize, usize)] = if both {
             &[(1, 4), (2, 5), (3, 6), (far, 7), (far, 5), (far, 4)]
         } else {
-            &[(2, 3), (3, 4), (far, 5), (far, 4)]
+            &[(1, 2), (1, 3), (2, 2), (2, 3), (3, 3), (3, 4), (far, 3), (far, 4), (far, 5)]
         };
         let mut taken: Vec<Self> = Vec::new();
         for &(segments, degree) in tries {
@@ -60,7 +60,8 @@ impl Curve {
             }
             taken.push(curve);
         }
-        taken.pop()
+        let best = (0..taken.len()).min_by(|&a, &b| taken[a].error.total_cmp(&taken[b].error))?;
+        Some(taken.swap_remove(best))
     }
 
     /// A robust least-squares polynomial through all the points.

@@ -11,6 +11,7 @@ const STEPS: [(i32, i32); 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
 const LONGEST_STEP: f64 = 1.7;
 
 /// A node with its place in the grid.
+#[derive(Clone, Copy)]
 pub(super) struct Placed {
     pub node: usize,
     /// The node's arm in each slot: right, down, left, up.
@@ -25,9 +26,11 @@ pub(super) struct Piece {
 }
 
 /// The connected pieces of two and more nodes, the largest first.
+///
+/// Pieces are grown over whole meshes first: beside a cut a line may seem to go on in one that runs across it, but then no mesh
+/// closes. What hangs on by less than a mesh is added where it goes straight on, and never joins two pieces.
 pub(super) fn pieces(nodes: &[Node]) -> Vec<Piece> {
     let mut taken = vec![false; nodes.len()];
-    let mut pieces = Vec::new();
     // Full crossings in the middle of everything order their arms without doubt: begin there.
     let links = |node: &Node| node.arms.iter().filter(|arm| arm.link.is_some()).count();
     let mut seeds: Vec<usize> = (0..nodes.len()).filter(|&at| links(&nodes[at]) >= 2).collect();
@@ -37,36 +40,135 @@ pub(super) fn pieces(nodes: &[Node]) -> Vec<Piece> {
     let rank =
         |at: usize| (std::cmp::Reverse(links(&nodes[at])), distance(nodes[at].place, centre));
     seeds.sort_by(|&a, &b| rank(a).partial_cmp(&rank(b)).unwrap_or(std::cmp::Ordering::Equal));
-    for seed in seeds {
-        if !taken[seed] {
-            let piece = grow(nodes, seed, &mut taken);
-            if piece.cells.len() > 1 {
-                pieces.push(piece);
-            }
+    let meshed = meshed(nodes);
+    let mut grown: Vec<Cells> = Vec::new();
+    let begin = |at: usize, taken: &mut [bool]| {
+        taken[at] = true;
+        Cells::from([(
+            (0, 0),
+            Placed { node: at, arms: slots(&nodes[at], rightmost(&nodes[at]), 0) },
+        )])
+    };
+    for &seed in &seeds {
+        if !taken[seed] && meshed[seed].contains(&true) {
+            let mut cells = begin(seed, &mut taken);
+            grow(nodes, &mut cells, &mut taken, |node, _, arm| meshed[node][arm]);
+            grown.push(cells);
         }
     }
+    grown.sort_by_key(|cells| std::cmp::Reverse(cells.len()));
+    for cells in &mut grown {
+        grow(nodes, cells, &mut taken, |node, arms, arm| goes_straight_on(nodes, node, arms, arm));
+    }
+    for seed in seeds {
+        if !taken[seed] {
+            let mut cells = begin(seed, &mut taken);
+            grow(nodes, &mut cells, &mut taken, |_, _, _| true);
+            grown.push(cells);
+        }
+    }
+    grown.retain(|cells| cells.len() > 1);
+    let mut pieces: Vec<Piece> = grown.into_iter().map(piece).collect();
     pieces.sort_by_key(|piece| std::cmp::Reverse(piece.cells.len()));
     pieces
 }
 
-fn grow(nodes: &[Node], seed: usize, taken: &mut [bool]) -> Piece {
-    let mut cells: HashMap<(i32, i32), Placed> = HashMap::new();
-    let mut queue = VecDeque::new();
-    let rightmost = (0..nodes[seed].arms.len())
-        .max_by(|&a, &b| {
-            nodes[seed].arms[a].direction[0].total_cmp(&nodes[seed].arms[b].direction[0])
-        })
-        .unwrap_or(0);
-    taken[seed] = true;
-    cells.insert((0, 0), Placed { node: seed, arms: slots(&nodes[seed], rightmost, 0) });
-    queue.push_back((0, 0));
+/// Nodes by column and row, counted from wherever the growth began.
+type Cells = HashMap<(i32, i32), Placed>;
+
+fn rightmost(node: &Node) -> usize {
+    (0..node.arms.len())
+        .max_by(|&a, &b| node.arms[a].direction[0].total_cmp(&node.arms[b].direction[0]))
+        .unwrap_or(0)
+}
+
+/// The least and greatest angle of a mesh, in degrees: lines that meet in less than 30 are not measured either.
+const MESH_ANGLES: std::ops::Range<f64> = 30.0..150.0;
+
+fn alike(a: f64, b: f64) -> bool {
+    a <= LONGEST_STEP * b && b <= LONGEST_STEP * a
+}
+
+/// For each arm of each node, whether its link is a side of a mesh: four links that lead back to where they began, each the next one
+/// round the node, opposite ones alike in length (a line that meets the cut's end of another is taken for a crossing).
+fn meshed(nodes: &[Node]) -> Vec<Vec<bool>> {
+    let mut meshed: Vec<Vec<bool>> =
+        nodes.iter().map(|node| vec![false; node.arms.len()]).collect();
+    // The next arm round the node, if a mesh may lie between the two.
+    let next = |node: usize, arm: usize| {
+        let arms = &nodes[node].arms;
+        let other = (arm + 1) % arms.len();
+        let angle = |arm: usize| arms[arm].direction[1].atan2(arms[arm].direction[0]);
+        let between = (angle(other) - angle(arm)).rem_euclid(TAU).to_degrees();
+        MESH_ANGLES.contains(&between).then_some(other)
+    };
+    for start in 0..nodes.len() {
+        for arm in 0..nodes[start].arms.len() {
+            let mut sides = Vec::with_capacity(4);
+            let mut leaving = Some((start, arm));
+            while let Some((node, arm)) = leaving
+                && sides.len() < 4
+            {
+                let Some((to, arrival)) = nodes[node].arms[arm].link else { break };
+                sides.push((node, arm));
+                leaving = next(to, arrival).map(|arm| (to, arm));
+            }
+            let closes = sides.len() == 4 && leaving == Some((start, arm));
+            let length = |side: usize| {
+                let ((from, _), (to, _)) = (sides[side], sides[(side + 1) % 4]);
+                distance(nodes[from].place, nodes[to].place)
+            };
+            if closes && alike(length(0), length(2)) && alike(length(1), length(3)) {
+                for (node, arm) in sides {
+                    meshed[node][arm] = true;
+                    if let Some((to, arrival)) = nodes[node].arms[arm].link {
+                        meshed[to][arrival] = true;
+                    }
+                }
+            }
+        }
+    }
+    meshed
+}
+
+/// Whether the step through an arm goes on, within 30 degrees and about as far, as the step from the opposite arm came.
+fn goes_straight_on(nodes: &[Node], node: usize, arms: &[Option<usize>; 4], arm: usize) -> bool {
+    let towards = |arm: usize| {
+        let (to, _) = nodes[node].arms[arm].link?;
+        Some([0, 1].map(|axis| nodes[to].place[axis] - nodes[node].place[axis]))
+    };
+    let Some(slot) = arms.iter().position(|&other| other == Some(arm)) else { return false };
+    match (towards(arm), arms[(slot + 2) % 4].and_then(towards)) {
+        (Some([ax, ay]), Some([bx, by])) => {
+            let (ahead, back) = (ax.hypot(ay), bx.hypot(by));
+            alike(ahead, back) && -(ax * bx + ay * by) > 0.87 * ahead * back
+        }
+        // Nothing leads the other way: at the end of a line.
+        _ => true,
+    }
+}
+
+/// Adds to the cells what links lead to, as far as the links are `trusted` (node, its arms by slot, arm).
+fn grow(
+    nodes: &[Node],
+    cells: &mut Cells,
+    taken: &mut [bool],
+    trusted: impl Fn(usize, &[Option<usize>; 4], usize) -> bool,
+) {
+    let mut queue: VecDeque<(i32, i32)> = cells.keys().copied().collect();
+    // A hash map's order is not the same in every run.
+    queue.make_contiguous().sort_unstable();
     while let Some(cell) = queue.pop_front() {
         let Placed { node, arms } = cells[&cell];
         for (slot, step) in STEPS.iter().enumerate() {
             let Some(arm) = arms[slot] else { continue };
             let Some((to, arrival)) = nodes[node].arms[arm].link else { continue };
             let next = (cell.0 + step.0, cell.1 + step.1);
-            if taken[to] || cells.contains_key(&next) || skips(nodes, node, &arms, slot) {
+            if taken[to]
+                || cells.contains_key(&next)
+                || skips(nodes, node, &arms, slot)
+                || !trusted(node, &arms, arm)
+            {
                 continue;
             }
             taken[to] = true;
@@ -75,6 +177,10 @@ fn grow(nodes: &[Node], seed: usize, taken: &mut [bool]) -> Piece {
             queue.push_back(next);
         }
     }
+}
+
+/// The cells counted from their own left and top.
+fn piece(cells: Cells) -> Piece {
     let least = |pick: fn(&(i32, i32)) -> i32| cells.keys().map(pick).min().unwrap_or(0);
     let most = |pick: fn(&(i32, i32)) -> i32| cells.keys().map(pick).max().unwrap_or(0);
     let (left, top) = (least(|cell| cell.0), least(|cell| cell.1));
@@ -204,8 +310,11 @@ mod tests {
         let found = pieces(&grid(5, square, across));
         let sizes: Vec<_> = found.iter().map(|piece| (piece.columns, piece.rows)).collect();
         assert_eq!(sizes, [(3, 5), (2, 5)]);
-        let found = pieces(&grid(5, square, |a, b| a.min(b) == 6));
+        let found = pieces(&grid(5, square, |a, b| (a.min(b), a.max(b)) == (6, 7)));
         assert!(is_reading_order(&found[0], 5));
+        // No mesh holds a corner to the rest: whether it belongs there is not for links to tell.
+        let found = pieces(&grid(5, square, |a, b| a.min(b) == 6));
+        assert_eq!(found.iter().map(|piece| piece.cells.len()).collect::<Vec<_>>(), [21, 4]);
     }
 
     #[test]
