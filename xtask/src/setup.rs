@@ -26,8 +26,10 @@ pub fn install() -> Result<()> {
     }
     python_packages(TEST_PACKAGES)?;
     // Their tests skip themselves without them, and say so.
-    if let Err(error) = weights() {
-        println!("note: {error:#}");
+    for wanted in [weights(), blender()] {
+        if let Err(error) = wanted {
+            println!("note: {error:#}");
+        }
     }
     println!("ffmpeg, a virtual screen and the packages of {TEST_PACKAGES} are in place");
     Ok(())
@@ -46,6 +48,31 @@ pub fn weights() -> Result<()> {
     }
     println!("getting LPIPS' weights");
     process::run(&mut asked(&[])).context("LPIPS' weights cannot be had")
+}
+
+/// Blender as a Python module, in an environment of its own: its wheels are for one version of Python each, this one for 3.11.
+const BLENDER: &str = "bpy==4.2.23";
+
+fn blender() -> Result<()> {
+    let folder = crate::root().join(".venv-blender");
+    let python = folder.join("bin/python3");
+    if process::succeeds(Command::new(&python).args(["-c", "import bpy"])) {
+        return Ok(());
+    }
+    let fits = "import sys; sys.exit(sys.version_info[:2] != (3, 11))";
+    if !process::succeeds(Command::new("python3").args(["-c", fits])) {
+        bail!(
+            "Blender's module {BLENDER} needs Python 3.11; the test of its compositor skips itself"
+        );
+    }
+    println!("installing {BLENDER} into .venv-blender");
+    let made = process::run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&folder))
+        .and_then(|()| {
+            let mut pip = Command::new(&python);
+            pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
+            process::run(pip.args(["--timeout", "30", "--retries", "1", BLENDER]))
+        });
+    made.context("Blender's Python module cannot be had; the test of its compositor skips itself")
 }
 
 /// Whether there is a program of this name.

@@ -229,14 +229,15 @@ cv2.imwrite(folder + 'seen.png', seen)
     assert!(compared > 60_000, "{compared}");
 }
 
-/// Blender's compositor, where a Python with `bpy` is named by MIDAIR_BPY_PYTHON or called `python3`.
+/// Blender's compositor, by the Python with `bpy` that the set-up of the tests makes, or the one that MIDAIR_BPY_PYTHON names.
 #[test]
 fn blender_maps_uv_as_the_map_says() {
     let named = std::env::var_os("MIDAIR_BPY_PYTHON").map(PathBuf::from);
-    let python = named.unwrap_or_else(|| PathBuf::from("python3"));
+    let made = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../.venv-blender/bin/python3");
+    let python = named.unwrap_or(made);
     let there = Command::new(&python).args(["-c", "import bpy"]).output();
     if !there.is_ok_and(|output| output.status.success()) {
-        println!("skipped: no python3 with bpy (Blender); name one in MIDAIR_BPY_PYTHON");
+        println!("skipped: no Python with bpy (Blender); name one in MIDAIR_BPY_PYTHON");
         return;
     }
     let folder = tempfile::tempdir().unwrap();
