@@ -5,6 +5,7 @@ use crate::geometry::{Frame, Ray, Vec3};
 use crate::media::Picture;
 use crate::optics::interface::{attenuate, beer_lambert, fresnel, reflect, refract_with};
 use crate::optics::plate::{Class, LuminanceTable, PlateError, SlitMirrorPlate, pass_ideal};
+use crate::scene::Loaded;
 use crate::scene::model::PlateModel;
 use crate::transport::{Action, Matter, Setup, Step, Walk};
 
@@ -29,6 +30,15 @@ impl Plate {
             PlateModel::Ideal => Self::Ideal,
             PlateModel::SlitMirror(parameters) => Self::from(SlitMirrorPlate::new(*parameters)?),
         })
+    }
+
+    /// The plate of a scene, as bright as it was measured if it was.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn of_scene(loaded: &Loaded, setup: &Setup) -> Result<Self, PlateError> {
+        let plate = Self::new(&loaded.scene.plate.model)?;
+        Ok(plate.with_luminance(loaded.luminance.as_ref(), setup))
     }
 
     /// Luminance of the mid-air image over the display's, for light that leaves the plate along a unit vector in the
