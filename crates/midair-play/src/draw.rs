@@ -70,12 +70,17 @@ impl Show {
         let pixels: &mut [u32] = &mut buffer;
         // Frames are blue, green, red, nothing: on a little-endian machine the buffer's own form.
         let bytes = bytemuck::cast_slice_mut(pixels);
-        let warped = match &self.drive {
-            None => map.warp.apply(&frame.bytes, 4, bytes),
-            Some(drive) => self
+        let warped = match (&map.evening, &self.evened, &self.drive) {
+            (Some(evening), Some(drive), _) => self
+                .light
+                .decode_evened(&frame.bytes, 4, frame.size, evening)
+                .map(|clipped| self.clipped = clipped)
+                .and_then(|()| map.warp.apply_light(&self.light, 4, drive, bytes)),
+            (.., Some(drive)) => self
                 .light
                 .decode(&frame.bytes, 4)
                 .and_then(|()| map.warp.apply_light(&self.light, 4, drive, bytes)),
+            _ => map.warp.apply(&frame.bytes, 4, bytes),
         };
         if warped.is_err() {
             return;
@@ -132,6 +137,9 @@ impl Show {
         }
         if let Some(delay) = self.delay {
             lines.push(format!("packet to screen {:.1} ms", 1e3 * delay));
+        }
+        if self.map.as_ref().is_some_and(|map| map.evening.is_some()) {
+            lines.push(format!("gain divided out, {:.1} % clipped", 100.0 * self.clipped));
         }
         lines.push(format!("nudging: {}", self.target.name(&self.loaded)));
         if self.uncompensated {

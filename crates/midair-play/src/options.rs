@@ -4,6 +4,7 @@ use crate::source::SourceKind;
 use crate::steady::OneEuro;
 use crate::tracker::{Calibration, Protocol};
 use crate::trial::Trial;
+use midair::media::Overflow;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -26,6 +27,8 @@ pub struct Options {
     pub smoothing: Option<OneEuro>,
     /// How far ahead the viewer is looked for, s; `None`: the measured latency.
     pub predict: Option<f64>,
+    /// Whether the gain is divided out, and what is done where that takes a brighter display.
+    pub gain: Option<Overflow>,
     /// Whether figures are shown from the beginning.
     pub overlay: bool,
     /// Where a nudged scene is saved.

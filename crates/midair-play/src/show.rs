@@ -3,7 +3,7 @@
 use crate::draw::Screen;
 use crate::nudge::Target;
 use crate::options::{Options, PlayError};
-use crate::solver::{self, Newest, Request, Solved};
+use crate::solver::{self, COLOURS, Newest, Request, Solved};
 use crate::source::{Frame, Player};
 use crate::steady::Steady;
 use crate::tracker::{Calibration, Protocol, Reading, listen};
@@ -94,7 +94,6 @@ pub fn run(loaded: Loaded, options: Options) -> Result<(Option<Latency>, Vec<Pat
         show_overlay: options.overlay,
         proxy,
         port,
-        options,
         requests: Arc::clone(&requests),
         solved,
         spent,
@@ -102,7 +101,10 @@ pub fn run(loaded: Loaded, options: Options) -> Result<(Option<Latency>, Vec<Pat
         paused,
         screen: None,
         map: None,
-        drive: (!loaded.screen.is_plain()).then(|| Drive::of_screen(&loaded.screen, [2, 1, 0])),
+        drive: (!loaded.screen.is_plain()).then(|| Drive::of_screen(&loaded.screen, COLOURS)),
+        evened: options.gain.map(|overflow| Drive::of_evened(&loaded.screen, COLOURS, overflow)),
+        clipped: 0.0,
+        options,
         light: LightFrame::default(),
         frame: None,
         lattice,
@@ -148,6 +150,10 @@ pub(crate) struct Show {
     /// The codes of a display with a response of its own, blue first. For a plain one codes are interpolated as they are: through
     /// light it takes four times as long.
     pub drive: Option<Drive>,
+    /// The codes for frames whose gain was divided out.
+    pub evened: Option<Drive>,
+    /// The share of the last frame's samples that took a brighter display.
+    pub clipped: f64,
     /// The frame's light, for such a display.
     pub light: LightFrame,
     pub frame: Option<Frame>,
@@ -191,6 +197,7 @@ impl Show {
             resolution: [size.width as usize, size.height as usize],
             source: frame.size,
             uncompensated: self.uncompensated,
+            gain: self.options.gain,
             packet,
         });
     }

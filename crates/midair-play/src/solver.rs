@@ -2,9 +2,10 @@
 
 use midair::evaluate::proof::uncompensated_map;
 use midair::geometry::Vec3;
-use midair::map::{Accuracy, Inverse};
-use midair::media::{Filter, Warp};
+use midair::map::{Accuracy, Inverse, invert};
+use midair::media::{Evening, Filter, FrameEvening, Overflow, Warp};
 use midair::scene::Loaded;
+use midair::simulate::{Plate, gain, image_gain};
 use midair::transport::Setup;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Instant;
@@ -22,6 +23,8 @@ pub(crate) struct Request {
     pub source: [usize; 2],
     /// Whether the source is shown as it is.
     pub uncompensated: bool,
+    /// Whether the gain is divided out, and how.
+    pub gain: Option<Overflow>,
     /// The packet that asked for it, and when it came.
     pub packet: Option<(u64, Instant)>,
 }
@@ -30,6 +33,8 @@ pub(crate) struct Request {
 #[derive(Debug)]
 pub(crate) struct Solved {
     pub warp: Warp,
+    /// The gain to divide out of frames.
+    pub evening: Option<FrameEvening>,
     pub source: [usize; 2],
     pub viewpoint: Vec3,
     pub packet: Option<(u64, Instant)>,
@@ -92,21 +97,21 @@ pub(crate) fn start(
     refused: impl Fn(String) + Send + 'static,
 ) {
     std::thread::spawn(move || {
-        let mut known: Option<(Arc<Loaded>, Setup)> = None;
+        let mut known: Option<Known> = None;
         while let Some(request) = requests.wait() {
             let start = Instant::now();
             let same =
-                known.as_ref().is_some_and(|(loaded, _)| Arc::ptr_eq(loaded, &request.loaded));
+                known.as_ref().is_some_and(|known| Arc::ptr_eq(&known.loaded, &request.loaded));
             if !same {
-                match Setup::new(&request.loaded) {
-                    Ok(setup) => known = Some((Arc::clone(&request.loaded), setup)),
-                    Err(error) => {
-                        refused(error.to_string());
+                match Known::new(&request) {
+                    Ok(new) => known = Some(new),
+                    Err(why) => {
+                        refused(why);
                         continue;
                     }
                 }
             }
-            let Some((loaded, setup)) = &mut known else { continue };
+            let Some(Known { loaded, setup, brightness }) = &mut known else { continue };
             setup.resolution = request.resolution;
             setup.viewpoint =
                 request.viewpoint.unwrap_or_else(|| Vec3::from_array(loaded.scene.viewpoint));
@@ -116,10 +121,17 @@ pub(crate) fn start(
                 let inverse = Inverse::new(setup, Accuracy { tolerance: LIVE_TOLERANCE });
                 Warp::of_inverse(&inverse, request.source, spent.take())
             };
+            // A picture without compensation is shown as it is.
+            let evening = brightness.as_ref().filter(|_| !request.uncompensated).map(
+                |Brightness { plate, level }| {
+                    FrameEvening::new(&image_gain(setup, plate), *level, COLOURS)
+                },
+            );
             match warp {
                 Ok(warp) => {
                     let overtaken = solved.put(Solved {
                         warp,
+                        evening,
                         source: request.source,
                         viewpoint: setup.viewpoint,
                         packet: request.packet,
@@ -134,6 +146,46 @@ pub(crate) fn start(
             }
         }
     });
+}
+
+/// The colours of a frame's channels: blue first, as windows have them.
+pub(crate) const COLOURS: [usize; 3] = [2, 1, 0];
+
+/// A set-up that maps are solved for.
+struct Known {
+    loaded: Arc<Loaded>,
+    setup: Setup,
+    brightness: Option<Brightness>,
+}
+
+/// What the gain is divided out by.
+struct Brightness {
+    plate: Plate,
+    /// How bright white is, over the display's: what the scene's own viewpoint allows. It stays while the viewer moves, for a picture whose
+    /// brightness goes with the viewer's head is worse than one that clips at its most demanding pixels from aside.
+    level: f64,
+}
+
+/// Columns of the display that the level is found with: it is the gain of the most demanding pixel or tenth of the pixels, and
+/// gains change little between pixels.
+const LEVEL_COLUMNS: usize = 320;
+
+impl Known {
+    fn new(request: &Request) -> Result<Self, String> {
+        let loaded = Arc::clone(&request.loaded);
+        let setup = Setup::new(&loaded).map_err(|error| error.to_string())?;
+        let brightness = request.gain.map(|overflow| {
+            let plate = Plate::of_scene(&loaded, &setup).map_err(|error| error.to_string())?;
+            let [width, height] = request.resolution;
+            let columns = width.min(LEVEL_COLUMNS);
+            let rows = (height * columns / width.max(1)).max(1);
+            let small = Setup { resolution: [columns, rows], ..setup.clone() };
+            let (map, _) = invert(&small, Accuracy { tolerance: LIVE_TOLERANCE });
+            let level = Evening::for_white(&gain(&small, &plate, &map), overflow).level();
+            Ok::<_, String>(Brightness { plate, level })
+        });
+        Ok(Self { setup, brightness: brightness.transpose()?, loaded })
+    }
 }
 
 /// A twentieth of a pixel of 2048: finer is not seen, and coarser is not quicker.

@@ -1,6 +1,6 @@
 //! `midair play`: the live show.
 
-use crate::arguments::{Point, Size, open_scene};
+use crate::arguments::{GainMode, Point, Size, open_scene};
 use crate::failure::Failure;
 use crate::summary::{Voice, paths};
 use midair::media::Sequence;
@@ -22,6 +22,7 @@ use std::time::Duration;
     midair play scene.toml lattice --track opentrack:4242\n  \
     midair play scene.toml photo.jpg --track osc:9000 --tracker-position 0,300,100 --tracker-rotation 0,180,0\n  \
     other-program | midair play scene.toml - --source-size 1280x720\n  \
+    midair play scene.toml film.mp4 --gain soft\n  \
     midair play scene.toml --bench --size 1920x1080")]
 pub struct Arguments {
     /// Scene file (TOML or JSON)
@@ -59,6 +60,9 @@ pub struct Arguments {
     /// Look so many ms ahead; left out: as long as a packet takes to the screen
     #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u16).range(0..=100))]
     predict: Option<u16>,
+    /// Divide out how much of the display's light arrives, so that the image is even; the level is what the scene's own viewpoint allows
+    #[arg(long, value_name = "MODE", value_enum, num_args = 0..=1, default_missing_value = "fit")]
+    gain: Option<GainMode>,
     /// Show figures: frames a second, the eye, latency
     #[arg(long)]
     overlay: bool,
@@ -109,6 +113,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         calibration: Calibration::new(position, rotation),
         smoothing: (!arguments.no_smoothing).then(OneEuro::default),
         predict: arguments.predict.map(|ms| f64::from(ms) / 1e3),
+        gain: arguments.gain.map(GainMode::overflow),
         overlay: arguments.overlay,
         save_to: arguments.save.clone().unwrap_or_else(|| nudged(&arguments.scene)),
         end_after: arguments.seconds.map(Duration::from_secs_f64),

@@ -3,7 +3,7 @@
 use super::{BALL, Bench, set_up, waves};
 use midair::geometry::Vec3;
 use midair::map::{Accuracy, Map, invert};
-use midair::media::{Depth, Filter, Warp, read_still, srgb, write_still};
+use midair::media::{Depth, Evening, Filter, Overflow, Warp, read_still, srgb, write_still};
 use midair::scene::load;
 use midair::transport::Setup;
 use std::io::{BufRead as _, BufReader, Write as _};
@@ -137,10 +137,14 @@ struct Stage {
 
 impl Stage {
     fn new() -> Self {
+        Self::with(BALL)
+    }
+
+    fn with(ball: &str) -> Self {
         let bench = Bench::new();
         bench.write(
             "ball.toml",
-            set_up(&format!("[display]\nresolution = [{SIDE}, {SIDE}]\n{BALL}")),
+            set_up(&format!("[display]\nresolution = [{SIDE}, {SIDE}]\n{ball}")),
         );
         write_still(&bench.path("p.png"), &waves(200, 160), Depth::Eight).unwrap();
         let picture = codes(&read_still(&bench.path("p.png")).unwrap().picture);
@@ -208,6 +212,47 @@ fn the_window_shows_the_display_image_and_obeys_keys() {
     let output = show.wait_with_output().unwrap();
     assert!(output.status.success());
     assert!(String::from_utf8_lossy(&output.stdout).contains("ball-nudged.toml"));
+}
+
+/// The picture's light as each display pixel's path weakens it, divided out pixel by pixel: the window does it in the frame instead.
+#[test]
+fn the_gain_is_divided_out_unless_the_picture_is_shown_as_it_is() {
+    let Some(screen) = XScreen::open() else { return };
+    // Tinted, so that red loses most, and most in the middle.
+    let tinted = BALL.replace("ior = 1.49", "ior = 1.49, absorption = [0.02, 0.005, 0.0]");
+    let stage = Stage::with(&tinted);
+    let (map, _) = invert(&stage.setup, Accuracy::default());
+    let gain = midair::simulate::gain(&stage.setup, &midair::simulate::Plate::Ideal, &map);
+    let level = Evening::for_white(&gain, Overflow::Fit).level() as f32;
+    let range = gain.range().unwrap();
+    // Without a difference the test would show nothing: exp(-0.02 * 50) of red is left in the middle.
+    assert!(range[0] < 0.5 * range[1], "{range:?}");
+    let light: Vec<f32> = stage.picture.iter().map(|&code| srgb::decode_8(code)).collect();
+    let mut expected = vec![0; SIDE * SIDE * 3];
+    for (i, uv) in map.uv.iter().enumerate().filter(|(_, uv)| uv[0].is_finite()) {
+        let [x, y] = [(uv[0] * 200.0 - 0.5, 199.0), ((1.0 - uv[1]) * 160.0 - 0.5, 159.0)]
+            .map(|(at, last): (f64, f64)| at.clamp(0.0, last));
+        let [(left, right), (above, below)] =
+            [(x, 199), (y, 159)].map(|(at, last)| (at as usize, (at as usize + 1).min(last)));
+        let [a, b] = [x.fract() as f32, y.fract() as f32];
+        for c in 0..3 {
+            let at = |column: usize, row: usize| light[(row * 200 + column) * 3 + c];
+            let upper = (1.0 - a) * at(left, above) + a * at(right, above);
+            let lower = (1.0 - a) * at(left, below) + a * at(right, below);
+            let mean = (1.0 - b) * upper + b * lower;
+            expected[3 * i + c] = srgb::encode_8((mean * level / gain.rgb[i][c]).min(1.0));
+        }
+    }
+    let mut show = screen.play(&stage.bench, &["ball.toml", "p.png", "--gain"]);
+    // One code for the gain's grid and its place before the warp, two as for the plain picture.
+    screen.await_picture("evened", &expected, TOLERANCE + 1);
+    screen.focus();
+    screen.key(&["u"]);
+    screen.await_picture("as it is", &stage.through(&Map::identity(SIDE, SIDE)), TOLERANCE);
+    screen.key(&["u"]);
+    screen.await_picture("evened again", &expected, TOLERANCE + 1);
+    assert!(show.try_wait().unwrap().is_none());
+    end(show);
 }
 
 #[test]

@@ -17,6 +17,18 @@ pub enum Overflow {
     Soft,
 }
 
+impl Overflow {
+    /// What a display emits that is to emit `wanted` of its white.
+    #[inline(always)]
+    pub(super) fn held(self, wanted: f32) -> f32 {
+        if self == Self::Soft && wanted > KNEE {
+            roll_off(wanted).min(1.0)
+        } else {
+            wanted.min(1.0)
+        }
+    }
+}
+
 /// A display image with the gain divided out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evened {
@@ -36,7 +48,7 @@ pub struct Evening {
     /// How many pixels have an answer.
     answered: usize,
     level: f64,
-    soft: bool,
+    overflow: Overflow,
 }
 
 /// Where `Overflow::Soft` begins.
@@ -81,7 +93,7 @@ impl Evening {
             false => [1.0; 3],
         };
         let factors = gain.rgb.iter().map(factor).collect();
-        Self { factors, answered: answered().count(), level, soft: overflow == Overflow::Soft }
+        Self { factors, answered: answered().count(), level, overflow }
     }
 
     /// How bright white is in the mid-air image, over the display's white.
@@ -119,8 +131,7 @@ impl Evening {
     /// What colour `c` of a pixel is to emit, at most 1.
     #[inline(always)]
     pub(super) fn emitted(&self, pixel: usize, c: usize, light: f32) -> f32 {
-        let wanted = self.wanted(pixel, c, light);
-        if self.soft && wanted > KNEE { roll_off(wanted).min(1.0) } else { wanted.min(1.0) }
+        self.overflow.held(self.wanted(pixel, c, light))
     }
 }
 

@@ -7,6 +7,7 @@ use crate::optics::interface::{attenuate, beer_lambert, fresnel, reflect, refrac
 use crate::optics::plate::{
     Class, LayerPlanes, LuminanceTable, PlateError, SlitMirrorPlate, pass_ideal,
 };
+use crate::scene::Loaded;
 use crate::scene::model::PlateModel;
 use crate::transport::{Action, Matter, Setup, Step, Walk};
 
@@ -40,6 +41,15 @@ impl Plate {
             Self::SlitMirror(plate) => Some(LayerPlanes::new(plate.parameters())),
             Self::Measured(measured) => measured.model.layers(),
         }
+    }
+
+    /// The plate of a scene, as bright as it was measured if it was.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn of_scene(loaded: &Loaded, setup: &Setup) -> Result<Self, PlateError> {
+        let plate = Self::new(&loaded.scene.plate.model)?;
+        Ok(plate.with_luminance(loaded.luminance.as_ref(), setup))
     }
 
     /// Luminance of the mid-air image over the display's, for light that leaves the plate along a unit vector in the

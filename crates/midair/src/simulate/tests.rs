@@ -429,6 +429,41 @@ fn the_gain_is_what_light_by_light_is_left() {
     }
 }
 
+/// Against each point's own path.
+#[test]
+fn the_gain_over_the_image_is_that_of_each_of_its_points() {
+    let matter = Matter::Refractive { index: 1.49, absorption: [0.002, 0.005, 0.01] };
+    let ball = element(sphere(25.0), matter, [0.0; 3], [0.0; 3], 0);
+    let points = crate::map::Map::identity(151, 151);
+    let off = |image: f64, plate: &Plate| -> Vec<f32> {
+        let setup = furnace(image, vec![ball.clone()]);
+        let (exact, over) = (gain(&setup, plate, &points), image_gain(&setup, plate));
+        let pairs = exact.rgb.iter().zip(&points.uv).filter(|(rgb, _)| rgb[0].is_finite());
+        let off = pairs.flat_map(|(rgb, &uv)| {
+            let found = over.at(uv);
+            [0, 1, 2].map(|c| (found[c] - rgb[c]).abs() / rgb[c])
+        });
+        off.collect()
+    };
+    // Smooth: the bound that is promised.
+    let smooth = off(20.0, &Plate::Ideal);
+    assert_eq!(smooth.len(), 3 * 151 * 151);
+    assert!(smooth.iter().all(|&off| off < 1e-3), "{:?}", smooth.iter().copied().reduce(f32::max));
+    // An image wider than the ball, cut by its outline (towards which Fresnel's share falls as a root does), and a plate whose efficiency
+    // has kinks: there the grid is finer, without a bound. A band of two fine cells along the outline, 2 pi 25 / 60 * 256 = 670 cells
+    // long, is 4 % of the ball's 35700 cells.
+    let plate = Plate::from(fine([0.9, 0.8, 0.7], [0.0, 0.01, 0.02]));
+    // Both at once, where the ball bends most, are beyond this grid: there a tenth of the points was found to be off by more (10.5 %),
+    // a limit that is known and watched here.
+    for (rough, most) in
+        [(off(60.0, &Plate::Ideal), 0.04), (off(20.0, &plate), 0.01), (off(60.0, &plate), 0.11)]
+    {
+        assert!(rough.iter().all(|off| off.is_finite()));
+        let far = rough.iter().filter(|&&off| off > 2e-3).count();
+        assert!((far as f64) < most * rough.len() as f64, "{far} of {}", rough.len());
+    }
+}
+
 #[test]
 fn a_measured_table_gives_the_image_its_brightness() {
     let setup = furnace(60.0, vec![]);

@@ -24,10 +24,9 @@ pub fn gains(loaded: &Loaded, solutions: &Solutions) -> Result<Vec<Gain>, Failur
 
 /// The scene's plate, as bright as it was measured.
 pub fn plate(loaded: &Loaded, setup: &Setup) -> Result<Plate, Failure> {
-    let plate = Plate::new(&loaded.scene.plate.model).map_err(|error| {
+    Plate::of_scene(loaded, setup).map_err(|error| {
         Failure::new(error.to_string(), "change that value in the scene's [plate]")
-    })?;
-    Ok(plate.with_luminance(loaded.luminance.as_ref(), setup))
+    })
 }
 
 /// Each colour's gain from its own map.

@@ -3,8 +3,9 @@
 //! A step of 15-bit light is at most a tenth of an 8-bit code (at black, where the curve is steepest).
 
 use super::WarpError;
+use super::evened::HEADROOM;
 use super::taps::{CubicTables, ONE, Plan, Tap, WEIGHT_BITS, unpack};
-use crate::media::brightness::Evening;
+use crate::media::brightness::{Evening, Overflow};
 use crate::media::srgb;
 use crate::optics::screen::Screen;
 use rayon::prelude::*;
@@ -12,7 +13,7 @@ use std::ops::Range;
 use std::sync::{Arc, LazyLock};
 
 /// White, in 15-bit light.
-const WHITE: i32 = 32767;
+pub(super) const WHITE: i32 = 32767;
 
 /// Bits dropped between the horizontal and the vertical sums: white, overshot by a quarter each way (the most
 /// that cubic weights can), then stays below 2^31.
@@ -21,7 +22,7 @@ const DROP: u32 = WEIGHT_BITS - 1;
 const LAST: u32 = 2 * WEIGHT_BITS - DROP;
 
 /// Codes to light: sRGB for colours, proportional for alpha.
-static DECODE: LazyLock<[[i16; 256]; 2]> = LazyLock::new(|| {
+pub(super) static DECODE: LazyLock<[[i16; 256]; 2]> = LazyLock::new(|| {
     let fixed = |light: f32| (light * WHITE as f32).round() as i16;
     [
         std::array::from_fn(|code| fixed(srgb::decode_8(code as u8))),
@@ -76,6 +77,23 @@ impl Drive {
         drive
     }
 
+    /// As [`of_screen`](Self::of_screen), for frames whose gain was divided out when they were decoded
+    /// ([`LightFrame::decode_evened`]): what takes more than the display's white is treated as `overflow` says.
+    pub fn of_evened(screen: &Screen, colours: [usize; 3], overflow: Overflow) -> Self {
+        let unit = f64::from(WHITE) / f64::from(HEADROOM);
+        let light = |light: i32| f64::from(overflow.held((f64::from(light) / unit) as f32));
+        let codes = std::array::from_fn(|channel| {
+            table(|value| {
+                let code = match colours.get(channel) {
+                    Some(&c) => screen.code(c, light(value)),
+                    None => (f64::from(value) / unit).min(1.0),
+                };
+                (code * 255.0).round() as u8
+            })
+        });
+        Self { codes, colours, evening: None }
+    }
+
     /// With a gain divided out, of as many pixels as the warp makes.
     pub fn with_evening(self, evening: Option<Evening>) -> Self {
         Self { evening, ..self }
@@ -88,7 +106,7 @@ impl Drive {
 }
 
 /// Which of the two curves a channel has.
-fn curve(channel: usize) -> usize {
+pub(super) fn curve(channel: usize) -> usize {
     usize::from(channel == 3)
 }
 

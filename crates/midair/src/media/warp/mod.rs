@@ -8,11 +8,13 @@
 mod avx2;
 mod bilinear;
 mod deep;
+mod evened;
 mod kernel;
 mod linear;
 mod taps;
 
 pub use deep::DeepScratch;
+pub use evened::{FrameEvening, HEADROOM};
 pub use linear::{Drive, LightFrame};
 
 use crate::map::{Inverse, Map, RowScratch};
