@@ -14,6 +14,8 @@ pub(super) struct Curve {
     pub residual: f64,
     /// Standard error of its distance across the line at the origin, pixels.
     pub error: f64,
+    /// Whether the line is seen on both sides of the crossing.
+    pub both_sides: bool,
 }
 
 /// Fewer centres than this on a side do not hold a curve there.
@@ -61,7 +63,7 @@ impl Curve {
             taken.push(curve);
         }
         let best = (0..taken.len()).min_by(|&a, &b| taken[a].error.total_cmp(&taken[b].error))?;
-        Some(taken.swap_remove(best))
+        Some(Self { both_sides: both, ..taken.swap_remove(best) })
     }
 
     /// A robust least-squares polynomial through all the points.
@@ -103,6 +105,7 @@ impl Curve {
             coefficients: Vec::new(),
             residual: 0.0,
             error: 0.0,
+            both_sides: false,
         };
         for round in 0.. {
             let (coefficients, variance) = least_squares(&points, degree, -middle / half)?;

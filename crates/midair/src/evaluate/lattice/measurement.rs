@@ -20,9 +20,11 @@ pub(super) struct Measurement<'a> {
     pub sigma: f64,
 }
 
-/// What is less certain is no measurement. Neighbouring centres share pixels and curves extrapolate, so that what is seen from one
-/// side is off by up to four times its standard error (see the tests of cut lattices): an eighth of a pixel.
-const MOST_ERROR: f64 = 0.03;
+/// What is less certain is no measurement: the standard error, in pixels, of a crossing of lines that are seen on both sides of it.
+const MOST_ERROR: f64 = 0.15;
+/// Of a crossing with a line that is seen on one side only. Curves extrapolate there, and neighbouring centres share pixels, so that it is off by
+/// up to four times its standard error (see the tests of cut lattices): an eighth of a pixel.
+const MOST_ERROR_ONE_SIDED: f64 = 0.03;
 
 /// The slots of an ordered node's arms ([`Placed::arms`]).
 const RIGHT: usize = 0;
@@ -211,7 +213,9 @@ impl Measurement<'_> {
         if row.residual.max(column.residual) > 0.25 * width + 0.25 {
             return Err(Missing::Broken);
         }
-        if row.error.hypot(column.error) > MOST_ERROR {
+        let most =
+            if row.both_sides && column.both_sides { MOST_ERROR } else { MOST_ERROR_ONE_SIDED };
+        if row.error.hypot(column.error) > most {
             return Err(Missing::LineTooShort);
         }
         let found = row.meet(&column).ok_or(Missing::Broken)?;
