@@ -197,8 +197,10 @@ pub fn shape<E: From<PaperError>>(
 ) -> Result<(Shape, Vec<String>), E> {
     let stage = Stage::new(subject.scene, plate).map_err(PaperError::from)?;
     let image = stage.image();
-    // Lines that end at the image's border: what sticks out of the lattice lets its outer crossings be measured from both sides.
-    let mut style = LatticeStyle { line_width: settings.line_width, ..LatticeStyle::default() };
+    // What sticks out of the lattice, up to the image's border, lets its outer crossings be measured from both sides: a tenth of the
+    // image, for in noise a line is followed only from a line's width or so beyond a crossing.
+    let mut style =
+        LatticeStyle { line_width: settings.line_width, margin: 0.1, ..LatticeStyle::default() };
     style.overhang = style.margin;
     let [columns, rows] = [768, (768.0 * image.size[1] / image.size[0]).round() as usize];
     let drawn = draw_lattice(columns, rows.max(1), &style).map_err(PaperError::from)?;
