@@ -66,13 +66,17 @@ fn blender() -> Result<()> {
         );
     }
     println!("installing {BLENDER} into .venv-blender");
-    let made = process::run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&folder))
-        .and_then(|()| {
-            let mut pip = Command::new(&python);
-            pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
-            process::run(pip.args(["--timeout", "30", "--retries", "1", BLENDER]))
-        });
+    let made = make_environment(&folder).and_then(|()| {
+        process::run(pip_install(&python).args(["--timeout", "30", "--retries", "1", BLENDER]))
+    });
     made.context("Blender's Python module cannot be had; the test of its compositor skips itself")
+}
+
+/// `pip install` of an environment's Python; what to install follows.
+fn pip_install(python: &Path) -> Command {
+    let mut pip = Command::new(python);
+    pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
+    pip
 }
 
 /// Whether there is a program of this name.
@@ -87,22 +91,20 @@ pub fn python_packages(requirements: &str) -> Result<()> {
         return Ok(());
     }
     if !process::succeeds(Command::new(python()).arg("--version")) {
-        make_environment()?;
+        make_environment(&crate::root().join(".venv"))?;
     }
     println!("installing {requirements} into .venv");
-    let mut pip = Command::new(python());
-    pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"]);
-    process::run(pip.arg(requirements).current_dir(crate::root()))
+    let mut pip = pip_install(&python());
+    process::run(pip.arg("--requirement").arg(requirements).current_dir(crate::root()))
         .with_context(|| format!("the packages of {requirements} cannot be installed"))
 }
 
-fn make_environment() -> Result<()> {
-    let folder = crate::root().join(".venv");
+fn make_environment(folder: &Path) -> Result<()> {
     // On Debian `venv` is there without `ensurepip` unless python3-venv is installed.
     if !process::succeeds(Command::new("python3").args(["-c", "import ensurepip, venv"])) {
         apt_install(&["python3", "python3-venv"])?;
     }
-    println!("making the Python environment .venv");
+    println!("making the Python environment {}", folder.display());
     process::run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(folder))
 }
 

@@ -102,9 +102,8 @@ pub fn quality<E: From<PaperError>>(
 ) -> Result<(), E> {
     let stage = Stage::new(subject.scene, plate).map_err(PaperError::from)?;
     let image = stage.image();
-    let [compensated, plain] =
-        [true, false].map(|with_object| stage.display(stage.viewpoint(), with_object, 1536));
-    let (compensated, plain) = (compensated?, plain?);
+    let compensated = stage.display(stage.viewpoint(), true, 1536)?;
+    let plain = stage.display(stage.viewpoint(), false, 1536)?;
     let height = (settings.quality_width as f64 * image.size[1] / image.size[0]).round();
     let camera = Camera {
         eye: stage.viewpoint(),
