@@ -1,6 +1,6 @@
 //! Pieces of one lattice that an edge cuts apart, as an edge of a glass cube does: put together again.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use super::graph::{Node, distance};
 use super::ordering::{Piece, Placed};
@@ -48,7 +48,7 @@ pub(super) fn join(nodes: &[Node], pieces: Vec<Piece>, lines: usize) -> Option<J
     let mut rest = pieces.into_iter();
     let first = rest.next()?;
     // Cells may be left of or above the first piece's own: signed until all are there.
-    let mut placed: HashMap<[i32; 2], usize> = HashMap::new();
+    let mut placed: BTreeMap<[i32; 2], usize> = BTreeMap::new();
     let signed = |piece: &Piece| -> Vec<([i32; 2], usize)> {
         piece.cells.iter().map(|(&(c, r), p)| ([c as i32, r as i32], p.node)).collect()
     };
@@ -102,7 +102,7 @@ fn bounds<'a>(cells: impl Iterator<Item = &'a [i32; 2]>) -> Option<([i32; 2], [i
 /// What to add to a piece's cells so that it goes on where `placed` was cut off.
 fn offset(
     nodes: &[Node],
-    placed: &HashMap<[i32; 2], usize>,
+    placed: &BTreeMap<[i32; 2], usize>,
     cells: &[([i32; 2], usize)],
     lines: usize,
 ) -> Option<[i32; 2]> {
@@ -133,7 +133,7 @@ fn offset(
 /// How many cells (columns, rows) lie between the origins of two pieces, which need not be whole numbers.
 fn jump(
     nodes: &[Node],
-    placed: &HashMap<[i32; 2], usize>,
+    placed: &BTreeMap<[i32; 2], usize>,
     cells: &[([i32; 2], usize)],
 ) -> Option<[f64; 2]> {
     let at = |node: usize| nodes[node].place;

@@ -1,6 +1,6 @@
 //! Rows and columns, from links alone: how far lines bend or fan out does not matter.
 
-use std::collections::{HashMap, VecDeque};
+use std::collections::{BTreeMap, VecDeque};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::graph::{Node, distance};
@@ -22,7 +22,7 @@ pub(super) struct Placed {
 pub(super) struct Piece {
     pub columns: usize,
     pub rows: usize,
-    pub cells: HashMap<(usize, usize), Placed>,
+    pub cells: BTreeMap<(usize, usize), Placed>,
 }
 
 /// The connected pieces of two and more nodes, the largest first.
@@ -73,8 +73,8 @@ pub(super) fn pieces(nodes: &[Node]) -> Vec<Piece> {
     pieces
 }
 
-/// Nodes by column and row, counted from wherever the growth began.
-type Cells = HashMap<(i32, i32), Placed>;
+/// Nodes by column and row, counted from wherever the growth began; in order, so that every run finds the same.
+type Cells = BTreeMap<(i32, i32), Placed>;
 
 fn rightmost(node: &Node) -> usize {
     (0..node.arms.len())
@@ -156,8 +156,6 @@ fn grow(
     trusted: impl Fn(usize, &[Option<usize>; 4], usize) -> bool,
 ) {
     let mut queue: VecDeque<(i32, i32)> = cells.keys().copied().collect();
-    // A hash map's order is not the same in every run.
-    queue.make_contiguous().sort_unstable();
     while let Some(cell) = queue.pop_front() {
         let Placed { node, arms } = cells[&cell];
         for (slot, step) in STEPS.iter().enumerate() {
