@@ -24,6 +24,10 @@ pub fn install() -> Result<()> {
     if !["Xvfb", "xdotool", "xwd"].into_iter().all(on_path) {
         apt_install(&["xvfb", "xdotool", "x11-apps", "libx11-xcb1", "libxkbcommon-x11-0"])?;
     }
+    // A graphics device in software, for machines without one.
+    if !Path::new("/usr/share/vulkan/icd.d").is_dir() {
+        apt_install(&["mesa-vulkan-drivers", "libvulkan1"])?;
+    }
     python_packages(TEST_PACKAGES)?;
     // Their tests skip themselves without them, and say so.
     for wanted in [weights(), blender()] {
@@ -31,7 +35,7 @@ pub fn install() -> Result<()> {
             println!("note: {error:#}");
         }
     }
-    println!("ffmpeg, a virtual screen and the packages of {TEST_PACKAGES} are in place");
+    println!("ffmpeg, a virtual screen, Vulkan and the packages of {TEST_PACKAGES} are in place");
     Ok(())
 }
 

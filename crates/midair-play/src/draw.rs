@@ -1,20 +1,19 @@
 //! The window, and what is drawn in it.
 
-use crate::letters::overlay;
 use crate::options::PlayError;
+use crate::present::{self, Picture, Presenter};
 use crate::show::Show;
 use crate::trial::Stages;
-use std::num::NonZeroU32;
-use std::rc::Rc;
+use std::sync::Arc;
 use std::time::Instant;
 use winit::dpi::PhysicalSize;
 use winit::event_loop::ActiveEventLoop;
 use winit::window::{Fullscreen, Window};
 
-/// The window and its pixels.
+/// The window, and who makes its picture.
 pub(crate) struct Screen {
-    pub window: Rc<Window>,
-    surface: softbuffer::Surface<Rc<Window>, Rc<Window>>,
+    pub window: Arc<Window>,
+    pub presenter: Box<dyn Presenter>,
 }
 
 impl Show {
@@ -38,13 +37,24 @@ impl Show {
         if self.options.fullscreen {
             attributes = attributes.with_fullscreen(Some(Fullscreen::Borderless(monitor)));
         }
-        let window = Rc::new(events.create_window(attributes).map_err(|error| wrong(&error))?);
+        let window = Arc::new(events.create_window(attributes).map_err(|error| wrong(&error))?);
         window.set_cursor_visible(!self.options.fullscreen);
-        let context =
-            softbuffer::Context::new(Rc::clone(&window)).map_err(|error| wrong(&error))?;
-        let surface = softbuffer::Surface::new(&context, Rc::clone(&window))
-            .map_err(|error| wrong(&error))?;
-        Ok(Screen { window, surface })
+        let presenter = present::open(&window, self.options.renderer)?;
+        Ok(Screen { window, presenter })
+    }
+
+    /// The show goes on by the processor where a graphics device gives up.
+    fn fall_back(&mut self, why: &str) {
+        let Some(screen) = &mut self.screen else { return };
+        match present::processor(&screen.window) {
+            Ok(processor) => {
+                screen.presenter = processor;
+                screen.window.request_redraw();
+                self.say(format!("the graphics device gave up, the processor goes on: {why}"));
+            }
+            // Without either there is nothing to be done but to keep the last picture.
+            Err(_) => self.say(why.to_owned()),
+        }
     }
 
     /// Warps the newest frame by the newest map, and presents it.
@@ -53,47 +63,29 @@ impl Show {
         let Some(frame) = self.shown_frame().cloned() else { return };
         let (Some(map), Some(screen)) = (&self.map, &mut self.screen) else { return };
         let size = screen.window.inner_size();
-        let (Some(width), Some(height)) =
-            (NonZeroU32::new(size.width), NonZeroU32::new(size.height))
-        else {
-            return;
-        };
         // A map for another window or source is on its way to be replaced.
         if map.warp.size() != [size.width as usize, size.height as usize]
             || map.source != frame.size
         {
             return;
         }
-        let resized = screen.surface.resize(width, height);
-        let Ok(mut buffer) = resized.and_then(|()| screen.surface.buffer_mut()) else { return };
         let started = Instant::now();
-        let pixels: &mut [u32] = &mut buffer;
-        // Frames are blue, green, red, nothing: on a little-endian machine the buffer's own form.
-        let bytes = bytemuck::cast_slice_mut(pixels);
-        let warped = match (&map.evening, &self.evened, &self.drive) {
-            (Some(evening), Some(drive), _) => self
-                .light
-                .decode_evened(&frame.bytes, 4, frame.size, evening)
-                .map(|clipped| self.clipped = clipped)
-                .and_then(|()| map.warp.apply_light(&self.light, 4, drive, bytes)),
-            (.., Some(drive)) => self
-                .light
-                .decode(&frame.bytes, 4)
-                .and_then(|()| map.warp.apply_light(&self.light, 4, drive, bytes)),
-            _ => map.warp.apply(&frame.bytes, 4, bytes),
+        let light = match (&map.evening, &self.evened, &self.drive) {
+            (Some(evening), Some(drive), _) => {
+                let decoded = self.light.decode_evened(&frame.bytes, 4, frame.size, evening);
+                decoded.map(|clipped| self.clipped = clipped).map(|()| Some(drive))
+            }
+            (.., Some(drive)) => self.light.decode(&frame.bytes, 4).map(|()| Some(drive)),
+            _ => Ok(None),
         };
-        if warped.is_err() {
-            return;
-        }
-        if cfg!(target_endian = "big") {
-            pixels.iter_mut().for_each(|pixel| *pixel = pixel.swap_bytes());
-        }
-        overlay(pixels, size.width as usize, &lines);
-        let drawn = Instant::now();
-        screen.window.pre_present_notify();
-        if buffer.present().is_err() {
-            return;
-        }
+        let Ok(drive) = light else { return };
+        let light = drive.map(|drive| (&self.light, drive));
+        let picture = Picture { frame: &frame, map, light, lines: &lines };
+        let drawn = match screen.presenter.show(size.into(), &picture) {
+            Ok(Some(drawn)) => drawn,
+            Ok(None) => return,
+            Err(why) => return self.fall_back(&why),
+        };
         let now = Instant::now();
         self.presented.push_back(now);
         while self.presented.len() > 60 {
@@ -130,6 +122,7 @@ impl Show {
             "{rate:.0} frames/s   map {:.1} ms",
             self.map.as_ref().map_or(0.0, |map| 1e3 * map.seconds)
         )];
+        lines.extend(self.screen.as_ref().map(|screen| screen.presenter.name().to_owned()));
         if let Some(map) = &self.map {
             let (eye, followed) =
                 (map.viewpoint, if self.tracked.is_some() { " (followed)" } else { "" });

@@ -2,14 +2,15 @@
 //!
 //! Threads: the window's (warps the newest frame by the newest map and presents it), the source's (frames at their times), the tracker's
 //! (packets), and the solver's (a map for the newest viewpoint; older requests are dropped, so that the show never waits). Frames are
-//! warped by the processor: the kernels of `midair::media::Warp` take a few milliseconds for a full-HD frame, so that a machine
-//! without a graphics card can run the show.
+//! warped by a graphics device or by the processor, whose kernels (`midair::media::Warp`) take a few milliseconds for a full-HD frame, so
+//! that a machine without a graphics card can run the show; both show the same codes.
 
 mod draw;
 mod keys;
 mod letters;
 mod nudge;
 mod options;
+mod present;
 mod show;
 mod solver;
 mod source;
@@ -18,8 +19,8 @@ mod tracker;
 mod trial;
 
 pub use nudge::{Nudge, Target};
-pub use options::{Options, PlayError};
-pub use show::run;
+pub use options::{Options, PlayError, Renderer};
+pub use show::{Outcome, run};
 pub use source::SourceKind;
 pub use steady::{OneEuro, Steady};
 pub use tracker::{Calibration, Protocol, Reading, parse_opentrack, parse_osc};

@@ -19,6 +19,8 @@ pub struct Options {
     pub fullscreen: bool,
     /// Which screen, from 0; `None`: the system's choice.
     pub screen: Option<usize>,
+    /// What makes the picture.
+    pub renderer: Renderer,
     /// Who tells where the viewer is, and on which port.
     pub tracker: Option<(Protocol, u16)>,
     /// From the tracker's frame to the scene's.
@@ -37,6 +39,18 @@ pub struct Options {
     pub end_after: Option<Duration>,
     /// Latency is measured with a synthetic tracker, and the show ends with it.
     pub trial: Option<Trial>,
+}
+
+/// What makes the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Renderer {
+    /// The graphics device where there is one, the processor else.
+    #[default]
+    Auto,
+    /// A graphics device, be it one in software.
+    Gpu,
+    /// The processor.
+    Cpu,
 }
 
 /// Why there is no show.
@@ -58,6 +72,11 @@ pub enum PlayError {
     /// The source has no frames.
     #[error("{0}")]
     Source(String),
+    /// No graphics device can be used.
+    #[error(
+        "no graphics device can be used: {0}; --renderer cpu needs none, and a driver for Vulkan gives one (on Debian and Ubuntu mesa-vulkan-drivers, which has one in software)"
+    )]
+    Graphics(String),
     /// The scene cannot be solved.
     #[error("{0}")]
     Solve(String),

@@ -33,11 +33,22 @@ enum Event {
     End,
 }
 
-/// Runs the show until it is closed. Returns the latency if that was measured, and the scene files that were saved.
+/// What came of a show.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// The latency, if it was measured.
+    pub latency: Option<Latency>,
+    /// The scene files that were saved.
+    pub saved: Vec<PathBuf>,
+    /// What made the picture at the end.
+    pub renderer: String,
+}
+
+/// Runs the show until it is closed.
 ///
 /// # Errors
 /// [`PlayError`] where there is no window, port or source.
-pub fn run(loaded: Loaded, options: Options) -> Result<(Option<Latency>, Vec<PathBuf>), PlayError> {
+pub fn run(loaded: Loaded, options: Options) -> Result<Outcome, PlayError> {
     let window = |error: &dyn std::fmt::Display| PlayError::Window(error.to_string());
     let events = EventLoop::<Event>::with_user_event().build().map_err(|error| window(&error))?;
     let proxy = events.create_proxy();
@@ -131,7 +142,9 @@ pub fn run(loaded: Loaded, options: Options) -> Result<(Option<Latency>, Vec<Pat
         return Err(failure);
     }
     let sent = show.options.trial.map_or(0, |trial| trial.packets);
-    Ok((latency(sent, &show.shown), show.saved))
+    let renderer =
+        show.screen.map_or_else(String::new, |screen| screen.presenter.name().to_owned());
+    Ok(Outcome { latency: latency(sent, &show.shown), saved: show.saved, renderer })
 }
 
 pub(crate) struct Show {

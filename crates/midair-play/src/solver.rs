@@ -32,6 +32,8 @@ pub(crate) struct Request {
 /// A map ready to be shown.
 #[derive(Debug)]
 pub(crate) struct Solved {
+    /// Counted from 0: no two maps have the same.
+    pub number: u64,
     pub warp: Warp,
     /// The gain to divide out of frames.
     pub evening: Option<Arc<FrameEvening>>,
@@ -98,6 +100,7 @@ pub(crate) fn start(
 ) {
     std::thread::spawn(move || {
         let mut known: Option<Known> = None;
+        let mut numbers = 0..;
         while let Some(request) = requests.wait() {
             let start = Instant::now();
             let same =
@@ -129,6 +132,7 @@ pub(crate) fn start(
             match warp {
                 Ok(warp) => {
                     let overtaken = solved.put(Solved {
+                        number: numbers.next().unwrap_or_default(),
                         warp,
                         evening,
                         source: request.source,

@@ -5,7 +5,8 @@ use crate::failure::Failure;
 use crate::summary::{Voice, paths};
 use midair::media::Sequence;
 use midair_play::{
-    Calibration, Latency, OneEuro, Options, PlayError, Protocol, SourceKind, Trial, run as show,
+    Calibration, Latency, OneEuro, Options, Outcome, PlayError, Protocol, Renderer, SourceKind,
+    Trial, run as show,
 };
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -45,6 +46,9 @@ pub struct Arguments {
     /// Pixels of the window, which is the display, instead of the scene's
     #[arg(long, value_name = "WxH")]
     size: Option<Size>,
+    /// What makes the picture: a graphics device (gpu), the processor (cpu), or the device if there is one that is not software (auto)
+    #[arg(long, value_name = "WHICH", value_enum, default_value_t)]
+    renderer: RendererMode,
     /// Follow the viewer: opentrack:PORT (UDP over network) or osc:PORT (/midair/viewpoint x y z, mm)
     #[arg(long, value_name = "WHO:PORT")]
     track: Option<Track>,
@@ -75,6 +79,25 @@ pub struct Arguments {
     /// Measure the latency from a packet to the screen, with a synthetic tracker (300 packets, 60 a second)
     #[arg(long, conflicts_with_all = ["track", "seconds"])]
     bench: bool,
+}
+
+/// What makes the picture.
+#[derive(Clone, Copy, Debug, Default, clap::ValueEnum)]
+enum RendererMode {
+    #[default]
+    Auto,
+    Gpu,
+    Cpu,
+}
+
+impl From<RendererMode> for Renderer {
+    fn from(mode: RendererMode) -> Self {
+        match mode {
+            RendererMode::Auto => Self::Auto,
+            RendererMode::Gpu => Self::Gpu,
+            RendererMode::Cpu => Self::Cpu,
+        }
+    }
 }
 
 /// Who tells where the viewer is.
@@ -109,6 +132,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         size: arguments.size.map(|Size(size)| size),
         fullscreen: arguments.fullscreen,
         screen: arguments.display,
+        renderer: arguments.renderer.into(),
         tracker: arguments.track.map(|Track(protocol, port)| (protocol, port)),
         calibration: Calibration::new(position, rotation),
         smoothing: (!arguments.no_smoothing).then(OneEuro::default),
@@ -121,11 +145,11 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     };
     voice.note(&loaded.notes);
     let (name, size) = (loaded.scene.name.clone(), loaded.scene.display.resolution);
-    let (latency, saved) = show(loaded, options)?;
+    let Outcome { latency, saved, renderer } = show(loaded, options)?;
     let mut lines =
         saved.iter().map(|path| format!("saved {}\n", path.display())).collect::<String>();
     if let Some(latency) = &latency {
-        lines += &told(&name, size, latency);
+        lines += &told(&name, size, &renderer, latency);
     } else if arguments.bench {
         return Err(Failure::new(
             "not one viewpoint reached the screen",
@@ -136,6 +160,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         "scene": name,
         "size": size,
         "saved": paths(&saved),
+        "renderer": renderer,
         "latency_ms": latency.map(|l| json!({
             "sent": l.sent, "shown": l.shown, "median": l.median, "percentile_99": l.percentile_99, "max": l.max,
             "map_median": l.stages.solve, "draw_median": l.stages.draw, "present_median": l.stages.present,
@@ -144,10 +169,10 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     voice.tell(&lines, &report)
 }
 
-fn told(name: &str, [width, height]: [usize; 2], l: &Latency) -> String {
+fn told(name: &str, [width, height]: [usize; 2], renderer: &str, l: &Latency) -> String {
     format!(
         "{name}: {width} x {height}, from packet to screen: median {:.1} ms, 99th percentile {:.1} ms, longest {:.1} ms\n\
-         {} of {} viewpoints shown, the others overtaken; map and weights take {:.1} ms, drawing {:.1} ms, the window system {:.1} ms (medians)\n",
+         {} of {} viewpoints shown, the others overtaken; map and weights take {:.1} ms, drawing ({renderer}) {:.1} ms, the window system {:.1} ms (medians)\n",
         l.median,
         l.percentile_99,
         l.max,

@@ -46,18 +46,19 @@ impl XScreen {
         Some(Self { server, name: format!(":{}", number.trim()) })
     }
 
-    fn play(&self, bench: &Bench, arguments: &[&str]) -> Child {
-        let mut all = vec!["play"];
-        all.extend(arguments);
-        bench
-            .command(&all)
+    fn command(&self, bench: &Bench, arguments: &[&str]) -> Command {
+        let mut command = bench.command(&[&["play"], arguments].concat());
+        command
             .env("DISPLAY", &self.name)
             .env_remove("WAYLAND_DISPLAY")
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap()
+            .stderr(Stdio::piped());
+        command
+    }
+
+    fn play(&self, bench: &Bench, arguments: &[&str]) -> Child {
+        self.command(bench, arguments).spawn().unwrap()
     }
 
     /// The window's pixels, RGB: it stands at the screen's upper left.
@@ -90,6 +91,26 @@ impl XScreen {
             }
             assert!(start.elapsed() < Duration::from_secs(30), "{what}: off by {worst}");
             std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+
+    /// Waits until the window shows something, the same for half a second.
+    fn await_stillness(&self) -> Vec<u8> {
+        self.await_change(&vec![0; 3 * SIDE * SIDE])
+    }
+
+    /// Waits until the window shows something else than this, the same for half a second.
+    fn await_change(&self, before: &[u8]) -> Vec<u8> {
+        let start = Instant::now();
+        let mut last = self.shot();
+        loop {
+            std::thread::sleep(Duration::from_millis(500));
+            let shot = self.shot();
+            if shot != before && shot == last {
+                return shot;
+            }
+            assert!(start.elapsed() < Duration::from_secs(30), "the window does not come to rest");
+            last = shot;
         }
     }
 
@@ -137,14 +158,15 @@ struct Stage {
 
 impl Stage {
     fn new() -> Self {
-        Self::with(BALL)
+        Self::with("", BALL)
     }
 
-    fn with(ball: &str) -> Self {
+    /// With more about the display, and a ball.
+    fn with(display: &str, ball: &str) -> Self {
         let bench = Bench::new();
         bench.write(
             "ball.toml",
-            set_up(&format!("[display]\nresolution = [{SIDE}, {SIDE}]\n{ball}")),
+            set_up(&format!("[display]\nresolution = [{SIDE}, {SIDE}]\n{display}{ball}")),
         );
         write_still(&bench.path("p.png"), &waves(200, 160), Depth::Eight).unwrap();
         let picture = codes(&read_still(&bench.path("p.png")).unwrap().picture);
@@ -220,7 +242,7 @@ fn the_gain_is_divided_out_unless_the_picture_is_shown_as_it_is() {
     let Some(screen) = XScreen::open() else { return };
     // Tinted, so that red loses most, and most in the middle.
     let tinted = BALL.replace("ior = 1.49", "ior = 1.49, absorption = [0.02, 0.005, 0.0]");
-    let stage = Stage::with(&tinted);
+    let stage = Stage::with("", &tinted);
     let (map, _) = invert(&stage.setup, Accuracy::default());
     let gain = midair::simulate::gain(&stage.setup, &midair::simulate::Plate::Ideal, &map);
     let level = Evening::for_white(&gain, Overflow::Fit).level() as f32;
@@ -253,6 +275,72 @@ fn the_gain_is_divided_out_unless_the_picture_is_shown_as_it_is() {
     screen.await_picture("evened again", &expected, TOLERANCE + 1);
     assert!(show.try_wait().unwrap().is_none());
     end(show);
+}
+
+/// Whether a graphics device can be had, be it in software; a note where not.
+fn has_graphics(screen: &XScreen, stage: &Stage) -> bool {
+    let arguments = ["ball.toml", "p.png", "--renderer", "gpu", "--for", "0.1"];
+    let output = screen.command(&stage.bench, &arguments).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() || said.contains("no graphics device"), "{said}");
+    if !output.status.success() {
+        println!("skipped: {said}");
+    }
+    output.status.success()
+}
+
+/// A graphics device computes with the processor's integers: the windows are the same to the code.
+#[test]
+fn a_graphics_device_shows_what_the_processor_shows() {
+    let Some(screen) = XScreen::open() else { return };
+    let stage = Stage::with("gamma = 1.8\n", BALL);
+    if !has_graphics(&screen, &stage) {
+        return;
+    }
+    for more in [&[][..], &["--gain", "soft"]] {
+        let shots = ["cpu", "gpu"].map(|renderer| {
+            let arguments = [&["ball.toml", "p.png", "--renderer", renderer], more].concat();
+            let mut show = screen.play(&stage.bench, &arguments);
+            let shown = screen.await_stillness();
+            // A window's keys and changes of size, on the device too.
+            screen.focus();
+            screen.key(&["l"]);
+            let lattice = screen.await_change(&shown);
+            screen.key(&["l"]);
+            screen.await_picture("the picture again", &shown, 0);
+            for side in ["200", "240"] {
+                screen.xdotool(&["search", "--name", "midair", "windowsize", "--sync", side, side]);
+            }
+            screen.await_picture("its own size again", &shown, 0);
+            assert!(show.try_wait().unwrap().is_none());
+            end(show);
+            (shown, lattice)
+        });
+        assert!(shots[0] == shots[1], "{more:?}: the pictures differ");
+    }
+}
+
+#[test]
+fn without_a_graphics_device_the_processor_shows_or_the_reason_is_told() {
+    let Some(screen) = XScreen::open() else { return };
+    let stage = Stage::new();
+    // No drivers for the loader to find.
+    let without = |renderer: &str| {
+        let mut command = screen.command(
+            &stage.bench,
+            &["ball.toml", "p.png", "--renderer", renderer, "--for", "1", "--json"],
+        );
+        let none = stage.bench.path("no-driver.json");
+        command.env("VK_DRIVER_FILES", &none).env("VK_ICD_FILENAMES", &none).output().unwrap()
+    };
+    let output = without("gpu");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("no graphics device") && said.contains("--renderer cpu"), "{said}");
+    let output = without("auto");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(told["renderer"], "processor");
 }
 
 #[test]

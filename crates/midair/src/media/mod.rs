@@ -21,4 +21,7 @@ pub use resample::{display_image, display_image_by_colour};
 pub use screen::{Driven, drive, emitted};
 pub use sequence::Sequence;
 pub use still::{Depth, Still, decode_still, read_still, write_still};
-pub use warp::{DeepScratch, Drive, Filter, FrameEvening, HEADROOM, LightFrame, Warp, WarpError};
+pub use warp::{
+    DeepScratch, Drive, Filter, FixedPoint, FrameEvening, HEADROOM, LightFrame, NO_TAP, Warp,
+    WarpError,
+};

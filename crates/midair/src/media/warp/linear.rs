@@ -17,9 +17,9 @@ pub(super) const WHITE: i32 = 32767;
 
 /// Bits dropped between the horizontal and the vertical sums: white, overshot by a quarter each way (the most
 /// that cubic weights can), then stays below 2^31.
-const DROP: u32 = WEIGHT_BITS - 1;
+pub(super) const DROP: u32 = WEIGHT_BITS - 1;
 /// What is left to drop at the end.
-const LAST: u32 = 2 * WEIGHT_BITS - DROP;
+pub(super) const LAST: u32 = 2 * WEIGHT_BITS - DROP;
 
 /// Codes to light: sRGB for colours, proportional for alpha.
 pub(super) static DECODE: LazyLock<[[i16; 256]; 2]> = LazyLock::new(|| {
@@ -42,7 +42,7 @@ fn table(code: impl Fn(i32) -> u8) -> Arc<Codes> {
 /// What a display is sent so that it emits light: the codes of its channels' light, and a gain that is divided out before.
 #[derive(Clone, Debug)]
 pub struct Drive {
-    codes: [Arc<Codes>; 4],
+    pub(super) codes: [Arc<Codes>; 4],
     /// Which colour, of red, green and blue, each of the first three channels is.
     colours: [usize; 3],
     evening: Option<Evening>,

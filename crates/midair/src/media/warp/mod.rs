@@ -8,12 +8,14 @@
 mod avx2;
 mod bilinear;
 mod deep;
+mod device;
 mod evened;
 mod kernel;
 mod linear;
 mod taps;
 
 pub use deep::DeepScratch;
+pub use device::{FixedPoint, NO_TAP};
 pub use evened::{FrameEvening, HEADROOM};
 pub use linear::{Drive, LightFrame};
 

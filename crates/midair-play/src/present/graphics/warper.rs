@@ -1,0 +1,204 @@
+//! The warp on a graphics device: buffers, and the shader that reads them.
+
+use super::Device;
+use midair::media::{Drive, FixedPoint, LightFrame, NO_TAP, Warp};
+use wgpu::{BindingType, BufferBindingType, BufferUsages, ShaderStages};
+
+/// What a frame's pixels are.
+pub(super) enum Samples<'a> {
+    /// Blue, green, red and one unused byte, to be interpolated as they are.
+    Codes(&'a [u8]),
+    /// Light, and the display's codes for it.
+    Light(&'a LightFrame, &'a Drive),
+}
+
+/// Two pipelines and what they read.
+pub(super) struct Warper {
+    codes: wgpu::RenderPipeline,
+    light: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
+    /// In the order of their bindings: sizes, taps, frame, drive, letters.
+    buffers: [wgpu::Buffer; 5],
+    group: Option<wgpu::BindGroup>,
+    /// Columns and rows of the display, the source and the text, as the shader has them.
+    sizes: [[u32; 2]; 3],
+    in_light: bool,
+    /// The taps' memory on the processor's side.
+    taps: Vec<[u32; 2]>,
+}
+
+const SIZES: usize = 0;
+const TAPS: usize = 1;
+const FRAME: usize = 2;
+const DRIVE: usize = 3;
+const LETTERS: usize = 4;
+
+impl Warper {
+    /// For surfaces or textures of this format.
+    pub fn new(device: &Device, format: wgpu::TextureFormat) -> Self {
+        let source = wgpu::ShaderSource::Wgsl(include_str!("warp.wgsl").into());
+        let shader = device
+            .device
+            .create_shader_module(wgpu::ShaderModuleDescriptor { label: Some("warp"), source });
+        let entries: [_; 5] = std::array::from_fn(|binding| wgpu::BindGroupLayoutEntry {
+            binding: binding as u32,
+            visibility: ShaderStages::FRAGMENT,
+            ty: BindingType::Buffer {
+                ty: match binding {
+                    SIZES => BufferBindingType::Uniform,
+                    _ => BufferBindingType::Storage { read_only: true },
+                },
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
+            count: None,
+        });
+        let layout = device.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("warp"),
+            entries: &entries,
+        });
+        let pipelines = device.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("warp"),
+            bind_group_layouts: &[Some(&layout)],
+            immediate_size: 0,
+        });
+        let pipeline = |entry: &str, arithmetic: FixedPoint| {
+            let constants = [
+                ("WEIGHT_BITS", f64::from(arithmetic.weight_bits)),
+                ("DROP", f64::from(arithmetic.drop)),
+                ("LAST", f64::from(arithmetic.last)),
+                ("WHITE", f64::from(Drive::WHITE)),
+                ("NO_TAP", f64::from(NO_TAP)),
+            ];
+            let options =
+                wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
+            device.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(entry),
+                layout: Some(&pipelines),
+                vertex: wgpu::VertexState {
+                    module: &shader,
+                    entry_point: Some("corner"),
+                    compilation_options: Default::default(),
+                    buffers: &[],
+                },
+                primitive: Default::default(),
+                depth_stencil: None,
+                multisample: Default::default(),
+                fragment: Some(wgpu::FragmentState {
+                    module: &shader,
+                    entry_point: Some(entry),
+                    compilation_options: options,
+                    targets: &[Some(format.into())],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+        };
+        let buffers = std::array::from_fn(|binding| buffer(device, binding, 32));
+        Self {
+            codes: pipeline("codes", FixedPoint::CODES),
+            light: pipeline("light", FixedPoint::LIGHT),
+            layout,
+            buffers,
+            group: None,
+            sizes: [[0; 2]; 3],
+            in_light: false,
+            taps: Vec::new(),
+        }
+    }
+
+    /// Takes the taps of a map for frames of `source` pixels. False if the warp is not bilinear.
+    pub fn take_map(&mut self, device: &Device, warp: &Warp, source: [usize; 2]) -> bool {
+        self.sizes[0] = warp.size().map(|side| side as u32);
+        self.sizes[1] = source.map(|side| side as u32);
+        let mut taps = std::mem::take(&mut self.taps);
+        let known = warp.bilinear_taps(&mut taps).map(|words| {
+            self.write(device, TAPS, bytemuck::cast_slice(words));
+        });
+        self.taps = taps;
+        known.is_some()
+    }
+
+    /// Takes the frame that is shown until another one is.
+    pub fn take_frame(&mut self, device: &Device, samples: &Samples) {
+        self.in_light = matches!(samples, Samples::Light(..));
+        match samples {
+            Samples::Codes(bytes) => self.write(device, FRAME, bytes),
+            Samples::Light(light, drive) => {
+                self.write(device, FRAME, bytemuck::cast_slice(light.values()));
+                let codes: Vec<u8> = (0..3).flat_map(|c| drive.codes(c)).copied().collect();
+                self.write(device, DRIVE, &codes);
+            }
+        }
+    }
+
+    /// Takes the text at the upper left: words as frames have them, 0 where the picture is to be seen.
+    pub fn take_letters(&mut self, device: &Device, size: [usize; 2], words: &[u32]) {
+        self.sizes[2] = size.map(|side| side as u32);
+        if !words.is_empty() {
+            self.write(device, LETTERS, bytemuck::cast_slice(words));
+        }
+    }
+
+    /// Fills a buffer, which becomes larger if need be.
+    fn write(&mut self, device: &Device, binding: usize, bytes: &[u8]) {
+        let length = bytes.len() as u64;
+        if self.buffers[binding].size() < length {
+            self.buffers[binding] = buffer(device, binding, length);
+            self.group = None;
+        }
+        device.queue.write_buffer(&self.buffers[binding], 0, bytes);
+    }
+
+    /// Draws what was taken into a texture of the display's size. Nothing waits for it.
+    pub fn draw(&mut self, device: &Device, target: &wgpu::Texture) {
+        let sizes = self.sizes;
+        self.write(device, SIZES, bytemuck::cast_slice(&sizes));
+        let group = self.group.get_or_insert_with(|| {
+            let entries: [_; 5] = std::array::from_fn(|binding| wgpu::BindGroupEntry {
+                binding: binding as u32,
+                resource: self.buffers[binding].as_entire_binding(),
+            });
+            device.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("warp"),
+                layout: &self.layout,
+                entries: &entries,
+            })
+        });
+        let view = target.create_view(&Default::default());
+        let mut commands = device.device.create_command_encoder(&Default::default());
+        let mut pass = commands.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("warp"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            ..Default::default()
+        });
+        pass.set_pipeline(if self.in_light { &self.light } else { &self.codes });
+        pass.set_bind_group(0, &*group, &[]);
+        pass.draw(0..3, 0..1);
+        drop(pass);
+        device.queue.submit([commands.finish()]);
+    }
+}
+
+/// A buffer of at least so many bytes.
+fn buffer(device: &Device, binding: usize, bytes: u64) -> wgpu::Buffer {
+    let kind = if binding == SIZES { BufferUsages::UNIFORM } else { BufferUsages::STORAGE };
+    device.device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        // Uniform data come in steps of 16 bytes.
+        size: bytes.next_multiple_of(32),
+        usage: kind | BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
+#[cfg(test)]
+mod tests;
