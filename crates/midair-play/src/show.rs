@@ -111,6 +111,7 @@ pub fn run(loaded: Loaded, options: Options) -> Result<Outcome, PlayError> {
         frames,
         paused,
         screen: None,
+        stale: false,
         map: None,
         drive: (!loaded.screen.is_plain()).then(|| Drive::of_screen(&loaded.screen, COLOURS)),
         evened: options.gain.map(|overflow| Drive::of_evened(&loaded.screen, COLOURS, overflow)),
@@ -159,6 +160,8 @@ pub(crate) struct Show {
     pub frames: Arc<Newest<Frame>>,
     pub paused: Arc<AtomicBool>,
     pub screen: Option<Screen>,
+    /// Whether there is something new to be drawn, once all that has happened is known: a picture for each event would fall behind them.
+    stale: bool,
     pub map: Option<Solved>,
     /// The codes of a display with a response of its own, blue first. For a plain one codes are interpolated as they are: through
     /// light it takes four times as long.
@@ -258,6 +261,12 @@ impl ApplicationHandler<Event> for Show {
         }
     }
 
+    fn about_to_wait(&mut self, _: &ActiveEventLoop) {
+        if std::mem::take(&mut self.stale) {
+            self.draw();
+        }
+    }
+
     fn user_event(&mut self, events: &ActiveEventLoop, event: Event) {
         match event {
             Event::Map => {
@@ -267,7 +276,7 @@ impl ApplicationHandler<Event> for Show {
                 {
                     self.spent.put(before.warp);
                 }
-                self.draw();
+                self.stale = true;
                 // A trial begins when the show does.
                 if first && let (Some(trial), Some(port)) = (self.options.trial, self.port) {
                     let end = self.proxy.clone();
@@ -286,7 +295,7 @@ impl ApplicationHandler<Event> for Show {
                 if self.shown_frame().map(|frame| frame.size) != before {
                     self.ask(None);
                 }
-                self.draw();
+                self.stale = true;
             }
             Event::Reading(reading, time) => self.heard(reading, time),
             Event::SourceFailed(why) => self.fail(PlayError::Source(why), events),
