@@ -84,9 +84,13 @@ impl Inverse {
     pub fn sample(&self, rows: Range<usize>, into: &mut InverseRows) {
         if let Found::Answers(answers) = &self.found {
             let pixels = rows.len() * self.raster.width;
-            into.uv.resize(pixels, [0.0; 2]);
-            into.status.resize(pixels, Status::Outside);
-            answers.enter(rows.start, Row { uv: &mut into.uv, status: &mut into.status });
+            // Memory only grows: what is there is written over.
+            if into.uv.len() < pixels {
+                into.uv.resize(pixels, [0.0; 2]);
+                into.status.resize(pixels, Status::Outside);
+            }
+            let (uv, status) = (&mut into.uv[..pixels], &mut into.status[..pixels]);
+            answers.enter(rows.start, Row { uv, status });
         }
         into.rows = rows;
     }
@@ -94,7 +98,7 @@ impl Inverse {
     /// Image coordinates of rows that this inverse [`sample`](Self::sample)d, as in [`Map::uv`].
     pub fn uv<'a>(&'a self, rows: &'a InverseRows) -> &'a [[f64; 2]] {
         match &self.found {
-            Found::Answers(_) => &rows.uv,
+            Found::Answers(_) => &rows.uv[..rows.rows.len() * self.raster.width],
             Found::Map(map) => &map.uv[rows.rows.start * map.width..rows.rows.end * map.width],
         }
     }

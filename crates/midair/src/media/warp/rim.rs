@@ -98,7 +98,7 @@ impl Piece<'_> {
         }
         let bands: Vec<_> =
             (self.first..end).step_by(BAND).map(|start| start..end.min(start + BAND)).collect();
-        let whole = |runs: &Vec<Run>| *runs == [0..width as u32];
+        let whole = |runs: &Vec<Run>| *runs == std::array::from_ref(&(0..width as u32));
         let mut spans = Vec::with_capacity(end - self.first);
         // The rows above the piece have the first place in the window, and its bands those that follow, round and round.
         for (index, rows) in bands.iter().enumerate() {
