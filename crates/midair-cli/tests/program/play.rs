@@ -35,8 +35,10 @@ impl XScreen {
             println!("skipped: no Xvfb, xwd and xdotool");
             return None;
         }
+        // Without -noreset it begins anew when its last client leaves: when xwd has made the first shot, as the show may be about to connect.
         let mut server = Command::new("Xvfb")
             .args(["-displayfd", "1", "-screen", "0", "400x300x24", "-nolisten", "tcp"])
+            .arg("-noreset")
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
