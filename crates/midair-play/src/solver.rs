@@ -2,7 +2,7 @@
 
 use midair::evaluate::proof::uncompensated_map;
 use midair::geometry::Vec3;
-use midair::map::{Accuracy, Inverse, invert};
+use midair::map::{Accuracy, Inverse, invert, with_rim};
 use midair::media::{Evening, Filter, FrameEvening, Overflow, Warp};
 use midair::scene::Loaded;
 use midair::simulate::{Plate, gain, image_gain};
@@ -119,7 +119,8 @@ pub(crate) fn start(
             setup.viewpoint =
                 request.viewpoint.unwrap_or_else(|| Vec3::from_array(loaded.scene.viewpoint));
             let warp = if request.uncompensated {
-                Warp::new(&uncompensated_map(loaded, setup), request.source, Filter::Bilinear)
+                let map = with_rim(&uncompensated_map(loaded, setup));
+                Warp::new(&map, request.source, Filter::Bilinear)
             } else {
                 let inverse = Inverse::new(setup, Accuracy { tolerance: LIVE_TOLERANCE });
                 Warp::of_inverse(&inverse, request.source, spent.take())

@@ -6,7 +6,8 @@
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use midair::geometry::{Dual, Ray, Real, Vec3};
-use midair::map::{Accuracy, Map, invert_into};
+use midair::map::{Accuracy, Inverse, Map, invert_into};
+use midair::media::Warp;
 use midair::optics::interface::{fresnel, reflect, refract};
 use midair::optics::plate::{SlitMirror, SlitMirrorPlate, pass_ideal};
 use midair::scene;
@@ -84,6 +85,17 @@ fn map_256(bencher: Bencher, name: &str) {
     let setup = set_up(name);
     let mut map = Map::unanswered(256, 256);
     bencher.bench_local(|| invert_into(&setup, Accuracy::default(), black_box(&mut map)));
+}
+
+/// From a viewpoint to a warp of 1920 x 1080 pixels, as the live show does it: by all threads, in the memory of the last one.
+#[divan::bench(args = SCENES)]
+fn warp_for_a_viewpoint(bencher: Bencher, name: &str) {
+    let setup = Setup { resolution: [1920, 1080], ..set_up(name) };
+    let mut last = None;
+    bencher.bench_local(|| {
+        let inverse = Inverse::new(black_box(&setup), Accuracy { tolerance: 2.5e-5 });
+        last = Warp::of_inverse(&inverse, [1920, 1080], last.take()).ok();
+    });
 }
 
 /// Snell's law, as plain numbers and with two derivatives.

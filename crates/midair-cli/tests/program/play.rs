@@ -2,7 +2,7 @@
 
 use super::{BALL, Bench, set_up, waves};
 use midair::geometry::Vec3;
-use midair::map::{Accuracy, Map, invert};
+use midair::map::{Accuracy, Map, invert, with_rim};
 use midair::media::{Depth, Evening, Filter, Overflow, Warp, read_still, srgb, write_still};
 use midair::scene::load;
 use midair::transport::Setup;
@@ -35,8 +35,10 @@ impl XScreen {
             println!("skipped: no Xvfb, xwd and xdotool");
             return None;
         }
+        // Without -noreset it begins anew when its last client leaves: when xwd has made the first shot, as the show may be about to connect.
         let mut server = Command::new("Xvfb")
             .args(["-displayfd", "1", "-screen", "0", "400x300x24", "-nolisten", "tcp"])
+            .arg("-noreset")
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
@@ -176,7 +178,7 @@ impl Stage {
 
     fn shown_to(&self, x: f64, y: f64, z: f64) -> Vec<u8> {
         let setup = Setup { viewpoint: Vec3::new(x, y, z), ..self.setup.clone() };
-        self.through(&invert(&setup, Accuracy::default()).0)
+        self.through(&with_rim(&invert(&setup, Accuracy::default()).0))
     }
 
     fn through(&self, map: &Map) -> Vec<u8> {
@@ -250,6 +252,7 @@ fn the_gain_is_divided_out_unless_the_picture_is_shown_as_it_is() {
     // Without a difference the test would show nothing: exp(-0.02 * 50) of red is left in the middle.
     assert!(range[0] < 0.5 * range[1], "{range:?}");
     let light: Vec<f32> = stage.picture.iter().map(|&code| srgb::decode_8(code)).collect();
+    let (gain, map) = (gain.with_rim(), with_rim(&map));
     let mut expected = vec![0; SIDE * SIDE * 3];
     for (i, uv) in map.uv.iter().enumerate().filter(|(_, uv)| uv[0].is_finite()) {
         let [x, y] = [(uv[0] * 200.0 - 0.5, 199.0), ((1.0 - uv[1]) * 160.0 - 0.5, 159.0)]

@@ -2,6 +2,42 @@
 
 use super::{Gain, Map};
 
+/// Whether a pixel's uv is known.
+fn is_known(uv: &[f64; 2]) -> bool {
+    uv.iter().all(|value| value.is_finite())
+}
+
+/// The eight neighbours: columns and rows away.
+fn around() -> impl Iterator<Item = (isize, isize)> {
+    (-1..=1)
+        .flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)))
+        .filter(|&direction| direction != (0, 0))
+}
+
+/// How many rows and columns away [`continued`] looks.
+pub(crate) const REACH: usize = 2;
+
+/// A pixel's uv from what there is around it: `uv` tells it so many columns and rows away, not finite or `None` where it is not known.
+/// The mean of the straight continuations through its neighbours, in those of the eight directions where two pixels in line are known, or
+/// else of the known neighbours; `None` where no neighbour is known.
+pub(crate) fn continued(uv: impl Fn(isize, isize) -> Option<[f64; 2]>) -> Option<[f64; 2]> {
+    let known = |dx, dy| uv(dx, dy).filter(is_known);
+    let (mut straight, mut straights) = ([0.0; 2], 0.0);
+    let (mut near, mut nears) = ([0.0; 2], 0.0);
+    for (dx, dy) in around() {
+        let Some(first) = known(dx, dy) else { continue };
+        (near, nears) = ([near[0] + first[0], near[1] + first[1]], nears + 1.0);
+        if let Some(second) = known(2 * dx, 2 * dy) {
+            for axis in 0..2 {
+                straight[axis] += 2.0 * first[axis] - second[axis];
+            }
+            straights += 1.0;
+        }
+    }
+    let (sum, count) = if straights > 0.0 { (straight, straights) } else { (near, nears) };
+    (count > 0.0).then(|| sum.map(|value| value / count))
+}
+
 /// The map with `rings` pixels of extrapolated uv around the covered region: tools that interpolate between
 /// the map's pixels then show no jagged or dark edge. The statuses stay as they are, so that coverage is kept
 /// apart: an extrapolated pixel has uv and a status that says it has no answer of its own.
@@ -12,57 +48,37 @@ use super::{Gain, Map};
 pub fn bleed(map: &Map, rings: usize) -> Map {
     let mut bled = map.clone();
     let (width, height) = (map.width as isize, map.height as isize);
-    let known = |uv: &[[f64; 2]], x: isize, y: isize| -> Option<[f64; 2]> {
-        if !(0..width).contains(&x) || !(0..height).contains(&y) {
-            return None;
-        }
-        let uv = uv[(y * width + x) as usize];
-        uv.iter().all(|value| value.is_finite()).then_some(uv)
+    let at = |x: isize, y: isize| {
+        let inside = (0..width).contains(&x) && (0..height).contains(&y);
+        inside.then_some((y * width + x) as usize)
     };
-    let around = || {
-        (-1..=1)
-            .flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)))
-            .filter(|&direction| direction != (0, 0))
-    };
+    let place = |i: usize| (i as isize % width, i as isize / width);
     // The pixels to look at next: those beside what is known.
     let mut front: Vec<usize> = (0..bled.uv.len())
         .filter(|&i| {
-            let (x, y) = (i as isize % width, i as isize / width);
-            known(&bled.uv, x, y).is_none()
-                && around().any(|(dx, dy)| known(&bled.uv, x + dx, y + dy).is_some())
+            let (x, y) = place(i);
+            let known = |(dx, dy)| at(x + dx, y + dy).is_some_and(|j| is_known(&bled.uv[j]));
+            !is_known(&bled.uv[i]) && around().any(known)
         })
         .collect();
     for _ in 0..rings {
-        let mut ring = Vec::with_capacity(front.len());
-        for &i in &front {
-            let (x, y) = (i as isize % width, i as isize / width);
-            let (mut straight, mut straights) = ([0.0; 2], 0.0);
-            let (mut near, mut nears) = ([0.0; 2], 0.0);
-            for (dx, dy) in around() {
-                let Some(first) = known(&bled.uv, x + dx, y + dy) else { continue };
-                (near, nears) = ([near[0] + first[0], near[1] + first[1]], nears + 1.0);
-                if let Some(second) = known(&bled.uv, x + 2 * dx, y + 2 * dy) {
-                    for axis in 0..2 {
-                        straight[axis] += 2.0 * first[axis] - second[axis];
-                    }
-                    straights += 1.0;
-                }
-            }
-            let (sum, count) = if straights > 0.0 { (straight, straights) } else { (near, nears) };
-            ring.push((i, sum.map(|value| value / count)));
-        }
+        let ring: Vec<_> = front
+            .iter()
+            .filter_map(|&i| {
+                let (x, y) = place(i);
+                Some((i, continued(|dx, dy| Some(bled.uv[at(x + dx, y + dy)?]))?))
+            })
+            .collect();
         for &(i, uv) in &ring {
             bled.uv[i] = uv;
         }
         let mut next: Vec<usize> = ring
             .iter()
             .flat_map(|&(i, _)| {
-                let (x, y) = (i as isize % width, i as isize / width);
-                around().map(move |(dx, dy)| (x + dx, y + dy))
+                let (x, y) = place(i);
+                around().filter_map(move |(dx, dy)| at(x + dx, y + dy))
             })
-            .filter(|&(x, y)| (0..width).contains(&x) && (0..height).contains(&y))
-            .map(|(x, y)| (y * width + x) as usize)
-            .filter(|&i| !bled.uv[i].iter().all(|value| value.is_finite()))
+            .filter(|&i| !is_known(&bled.uv[i]))
             .collect();
         next.sort_unstable();
         next.dedup();

@@ -10,12 +10,13 @@ mod model;
 mod reverse;
 mod splat;
 
+pub(crate) use bleed::{REACH, continued};
 pub use bleed::{bleed, with_rim};
 pub use formation::{Formation, ImagePoint, formation};
 pub use forward::forward;
 pub use image_gain::ImageGain;
 pub(crate) use image_gain::cell;
-pub use invert::{Accuracy, Effort, Inverse, RowScratch, invert, invert_into};
+pub use invert::{Accuracy, Effort, Inverse, InverseRows, invert, invert_into};
 pub use model::{Gain, Map, Status, pixel_at, pixel_centre};
 pub use reverse::reversed;
 pub use splat::{Splat, splat};

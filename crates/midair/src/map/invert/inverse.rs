@@ -8,6 +8,7 @@ use super::row::Row;
 use super::{Accuracy, Effort};
 use crate::map::{Map, Status};
 use crate::transport::Setup;
+use std::ops::Range;
 
 /// G on the display as polynomials and single pixels, to be sampled row by row: for those who want each row once and in a form
 /// of their own, and no [`Map`] in memory.
@@ -25,14 +26,30 @@ enum Found {
     Map(Map),
 }
 
-/// Working memory of [`Inverse::rows`], to be kept from call to call.
+/// Some rows of an inverse and the memory that they take, to be kept from one [`Inverse::sample`] to the next.
 #[derive(Clone, Debug, Default)]
-pub struct RowScratch {
+pub struct InverseRows {
+    rows: Range<usize>,
     uv: Vec<[f64; 2]>,
     status: Vec<Status>,
 }
 
+impl InverseRows {
+    /// Which rows they are.
+    pub fn range(&self) -> Range<usize> {
+        self.rows.clone()
+    }
+}
+
 impl Inverse {
+    /// One whose answers are made up.
+    #[cfg(test)]
+    pub fn of_map(map: Map) -> Self {
+        let raster = Raster { width: map.width, height: map.height };
+        let effort = Effort { patches: 0, solved_pixels: 0, rays: 0 };
+        Self { raster, found: Found::Map(map), effort }
+    }
+
     /// Finds G on the pixels of the set-up's display.
     pub fn new(setup: &Setup, accuracy: Accuracy) -> Self {
         let [width, height] = setup.resolution;
@@ -63,23 +80,26 @@ impl Inverse {
         self.effort
     }
 
-    /// Image coordinates of whole rows of pixels, as in [`Map::uv`]: `count` rows from row `first` (0 at the top) on, which the
-    /// display must have.
-    pub fn rows<'a>(
-        &'a self,
-        first: usize,
-        count: usize,
-        scratch: &'a mut RowScratch,
-    ) -> &'a [[f64; 2]] {
-        let (start, pixels) = (first * self.raster.width, count * self.raster.width);
-        match &self.found {
-            Found::Map(map) => &map.uv[start..start + pixels],
-            Found::Answers(answers) => {
-                scratch.uv.resize(pixels, [0.0; 2]);
-                scratch.status.resize(pixels, Status::Outside);
-                answers.enter(first, Row { uv: &mut scratch.uv, status: &mut scratch.status });
-                &scratch.uv
+    /// Works whole rows of pixels out (0 at the top), which the display must have.
+    pub fn sample(&self, rows: Range<usize>, into: &mut InverseRows) {
+        if let Found::Answers(answers) = &self.found {
+            let pixels = rows.len() * self.raster.width;
+            // Memory only grows: what is there is written over.
+            if into.uv.len() < pixels {
+                into.uv.resize(pixels, [0.0; 2]);
+                into.status.resize(pixels, Status::Outside);
             }
+            let (uv, status) = (&mut into.uv[..pixels], &mut into.status[..pixels]);
+            answers.enter(rows.start, Row { uv, status });
+        }
+        into.rows = rows;
+    }
+
+    /// Image coordinates of rows that this inverse [`sample`](Self::sample)d, as in [`Map::uv`].
+    pub fn uv<'a>(&'a self, rows: &'a InverseRows) -> &'a [[f64; 2]] {
+        match &self.found {
+            Found::Answers(_) => &rows.uv[..rows.rows.len() * self.raster.width],
+            Found::Map(map) => &map.uv[rows.rows.start * map.width..rows.rows.end * map.width],
         }
     }
 }

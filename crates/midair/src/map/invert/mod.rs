@@ -28,7 +28,7 @@ use fill::Answers;
 use pixels::Raster;
 use plan::{Leaf, plan};
 
-pub use inverse::{Inverse, RowScratch};
+pub use inverse::{Inverse, InverseRows};
 
 use super::{Map, Status};
 use crate::transport::Setup;

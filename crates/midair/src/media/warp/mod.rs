@@ -12,6 +12,7 @@ mod device;
 mod evened;
 mod kernel;
 mod linear;
+mod rim;
 mod taps;
 
 pub use deep::DeepScratch;
@@ -19,10 +20,9 @@ pub use device::{FixedPoint, NO_TAP};
 pub use evened::{FrameEvening, HEADROOM};
 pub use linear::{Drive, LightFrame};
 
-use crate::map::{Inverse, Map, RowScratch};
+use crate::map::{Inverse, Map};
 use crate::media::brightness::Evening;
 use rayon::prelude::*;
-use std::cell::RefCell;
 use std::ops::Range;
 use taps::{CubicTables, Plan};
 
@@ -98,9 +98,9 @@ impl Warp {
         Ok(Self { width: map.width, height: map.height, source, plan, tables })
     }
 
-    /// Prepares an inverse for bilinear warping, in the memory of a warp that is no longer needed: what a show does that follows its
-    /// viewer. Each row of the map is there only while its taps are made, so that of all that is computed for a new viewpoint
-    /// the taps alone go to memory.
+    /// Prepares an inverse for bilinear warping, one ring of pixels wider than its answers as by [`with_rim`](crate::map::with_rim), in the
+    /// memory of a warp that is no longer needed: what a show does that follows its viewer. Each row of the map is there only while taps
+    /// are made of it, so that of all that is computed for a new viewpoint the taps alone go to memory.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -109,17 +109,11 @@ impl Warp {
         source: [usize; 2],
         old: Option<Self>,
     ) -> Result<Self, WarpError> {
-        thread_local! {
-            static SCRATCH: RefCell<RowScratch> = RefCell::default();
-        }
         check_source(source)?;
-        let size = inverse.size();
-        let plan = Plan::bilinear(size, source, old.map(|old| old.plan), |rows, fill| {
-            SCRATCH.with_borrow_mut(|scratch| {
-                fill(inverse.rows(rows.start, rows.len(), scratch));
-            });
-        });
-        Ok(Self { width: size[0], height: size[1], source, plan, tables: None })
+        let [width, height] = inverse.size();
+        let memory = old.map_or_else(Vec::new, |old| old.plan.into_taps());
+        let plan = rim::plan(inverse, source, memory);
+        Ok(Self { width, height, source, plan, tables: None })
     }
 
     /// Width and height of the warped frame.

@@ -20,7 +20,7 @@ const CUBIC_STEPS: usize = 1024;
 ///
 /// For bilinear sampling the first of 2 x 2 pixels, and 14-bit fractions. For cubic sampling the first of 4 x 4,
 /// and indices into [`CubicTables`].
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Tap {
     pub(super) pixel: u32,
     pub(super) x: u16,
@@ -41,11 +41,7 @@ pub(super) struct Plan {
 impl Plan {
     pub(super) fn new(map: &Map, source: [usize; 2], filter: Filter) -> Self {
         match filter {
-            Filter::Bilinear => {
-                Self::bilinear([map.width, map.height], source, None, |rows, fill| {
-                    fill(&map.uv[rows.start * map.width..rows.end * map.width]);
-                })
-            }
+            Filter::Bilinear => Self::bilinear(map, source),
             Filter::Sharp => {
                 let footprint =
                     |column: usize, row: usize| Footprint::new(map, source, column, row);
@@ -67,31 +63,23 @@ impl Plan {
         }
     }
 
-    /// Bilinear taps in the memory of an earlier plan, from whole rows of uv: each call of `rows` is to hand those that it is asked
-    /// for on.
-    pub(super) fn bilinear(
-        [width, height]: [usize; 2],
-        source: [usize; 2],
-        old: Option<Self>,
-        rows: impl Fn(Range<usize>, &mut dyn FnMut(&[[f64; 2]])) + Sync,
-    ) -> Self {
-        let mut taps = old.map_or_else(Vec::new, |old| old.taps);
-        taps.resize(width * height, Tap::default());
-        let line = width.max(1);
+    fn bilinear(map: &Map, source: [usize; 2]) -> Self {
+        let mut taps = vec![Tap::default(); map.width * map.height];
+        let line = map.width.max(1);
         let spans = taps
-            .par_chunks_mut(BAND * line)
-            .enumerate()
-            .map(|(band, taps)| {
-                let first = band * BAND;
-                let mut spans = Vec::new();
-                rows(first..first + taps.len() / line, &mut |uv| {
-                    tap_row(uv, source, taps);
-                    spans.extend(uv.chunks(line).map(spans_of_row));
-                });
-                spans
+            .par_chunks_mut(line)
+            .zip(map.uv.par_chunks(line))
+            .map(|(taps, uv)| {
+                tap_row(uv, source, taps);
+                spans_of_row(uv)
             })
-            .collect::<Vec<_>>();
-        Self::with_spans(taps, None, spans.into_iter().flatten().collect())
+            .collect();
+        Self::with_spans(taps, None, spans)
+    }
+
+    /// The memory of a plan that is no longer needed.
+    pub(super) fn into_taps(self) -> Vec<Tap> {
+        self.taps
     }
 
     /// Each pixel has one sample or none; a pixel's number is its sample's index.
@@ -149,7 +137,12 @@ impl Plan {
         Self::with_spans(taps, Some(starts), spans)
     }
 
-    fn with_spans(taps: Vec<Tap>, starts: Option<Vec<u32>>, rows: Vec<Vec<Range<u32>>>) -> Self {
+    /// Samples, where each pixel's start if any has more than one, and each row's covered runs of columns.
+    pub(super) fn with_spans(
+        taps: Vec<Tap>,
+        starts: Option<Vec<u32>>,
+        rows: Vec<Vec<Range<u32>>>,
+    ) -> Self {
         let mut row_spans = vec![0];
         row_spans.extend(rows.iter().scan(0, |end, row| {
             *end += row.len();
@@ -183,9 +176,6 @@ impl Plan {
         }
     }
 }
-
-/// Rows that one thread makes taps of at a time: few enough that their uv is still in its cache.
-const BAND: usize = 4;
 
 /// Adds a column to the runs of those before it.
 fn extend_spans(spans: &mut Vec<Range<u32>>, column: u32) {

@@ -1,14 +1,8 @@
 use super::*;
-use crate::geometry::Shape;
-use crate::map::Gain;
-use crate::map::{Accuracy, Status, invert};
+use crate::map::{Gain, Status};
 use crate::media::{Curve, Overflow, Picture, display_image, drive, even_out, srgb};
 use crate::optics::screen::{Response, Screen};
-use crate::transport::Setup;
-use crate::transport::bench_setup::{ACRYLIC, block, element, setup, sphere};
-use crate::transport::tests::ball_mesh;
 use proptest::prelude::*;
-use std::sync::Arc;
 
 fn noise(width: usize, height: usize, channels: usize) -> Vec<u8> {
     (0..(width * height * channels) as u32)
@@ -288,52 +282,6 @@ proptest! {
             }
         }
     }
-}
-
-#[test]
-fn an_inverse_is_warped_as_its_map_is_whatever_the_memory_held() {
-    // Several sheets, pixels by themselves, holes; and seen through a mesh.
-    let scenes = [
-        setup(40.0, vec![element(sphere(25.0), ACRYLIC, [0.0; 3], [0.0; 3], 1)]),
-        setup(30.0, vec![element(block(50.0, 50.0, 50.0), ACRYLIC, [0.0; 3], [0.0, 15.8, 0.0], 1)]),
-        setup(
-            30.0,
-            vec![element(
-                Shape::Mesh(Arc::new(ball_mesh(25.0, true))),
-                ACRYLIC,
-                [0.0; 3],
-                [0.0; 3],
-                1,
-            )],
-        ),
-    ];
-    let source = [90, 71];
-    let frame = noise(source[0], source[1], 4);
-    let (mut old, mut holes) = (None, 0);
-    for (scene, resolution) in scenes.into_iter().zip([[131, 97], [64, 111], [40, 30]]) {
-        let mut setup = Setup { resolution, ..scene };
-        // A part of the light passes the plate by.
-        setup.plate.size = [25.0; 2];
-        let (map, effort) = invert(&setup, Accuracy::default());
-        let inverse = Inverse::new(&setup, Accuracy::default());
-        assert_eq!((inverse.size(), inverse.effort()), (resolution, effort));
-        let mut scratch = RowScratch::default();
-        let answered =
-            |uv: &[[f64; 2]]| uv.iter().map(|uv| uv.map(f64::to_bits)).collect::<Vec<_>>();
-        let rows = inverse.rows(7, 5, &mut scratch);
-        assert_eq!(answered(rows), answered(&map.uv[7 * resolution[0]..12 * resolution[0]]));
-        let warped = Warp::of_inverse(&inverse, source, old).unwrap();
-        let mut result = vec![77; map.width * map.height * 4];
-        warped.apply(&frame, 4, &mut result).unwrap();
-        assert_eq!(result, warp(&map, source, Filter::Bilinear, &frame, 4));
-        assert!(result.iter().any(|&sample| sample > 0));
-        holes += map.uv.iter().filter(|uv| uv[0].is_nan()).count();
-        old = Some(warped);
-    }
-    assert!(holes > 0);
-    let setup = setup(40.0, vec![]);
-    let inverse = Inverse::new(&setup, Accuracy::default());
-    assert!(Warp::of_inverse(&inverse, [0, 8], None).is_err());
 }
 
 /// A gain that differs from pixel to pixel and colour to colour, without an answer where the map has none.
