@@ -10,6 +10,8 @@ mod bilinear;
 mod deep;
 mod evened;
 mod kernel;
+#[cfg(target_arch = "x86_64")]
+mod light_avx2;
 mod linear;
 mod taps;
 
