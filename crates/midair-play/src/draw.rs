@@ -73,13 +73,12 @@ impl Show {
         let warped = match (&map.evening, &self.evened, &self.drive) {
             (Some(evening), Some(drive), _) => self
                 .light
-                .decode_evened(&frame.bytes, 4, frame.size, evening)
-                .map(|clipped| self.clipped = clipped)
-                .and_then(|()| map.warp.apply_light(&self.light, 4, drive, bytes)),
+                .of(&frame, Some(evening))
+                .and_then(|light| map.warp.apply_light(light, 4, drive, bytes)),
             (.., Some(drive)) => self
                 .light
-                .decode(&frame.bytes, 4)
-                .and_then(|()| map.warp.apply_light(&self.light, 4, drive, bytes)),
+                .of(&frame, None)
+                .and_then(|light| map.warp.apply_light(light, 4, drive, bytes)),
             _ => map.warp.apply(&frame.bytes, 4, bytes),
         };
         if warped.is_err() {
@@ -139,7 +138,7 @@ impl Show {
             lines.push(format!("packet to screen {:.1} ms", 1e3 * delay));
         }
         if self.map.as_ref().is_some_and(|map| map.evening.is_some()) {
-            lines.push(format!("gain divided out, {:.1} % clipped", 100.0 * self.clipped));
+            lines.push(format!("gain divided out, {:.1} % clipped", 100.0 * self.light.clipped));
         }
         lines.push(format!("nudging: {}", self.target.name(&self.loaded)));
         if self.uncompensated {

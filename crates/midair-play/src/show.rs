@@ -1,15 +1,16 @@
 //! The window and what happens in it.
 
 use crate::draw::Screen;
+use crate::lit::Lit;
 use crate::nudge::Target;
 use crate::options::{Options, PlayError};
-use crate::solver::{self, COLOURS, Newest, Request, Solved};
+use crate::solver::{self, COLOURS, Job, Newest, Request, Settled, Solved};
 use crate::source::{Frame, Player};
 use crate::steady::Steady;
 use crate::tracker::{Calibration, Protocol, Reading, listen};
 use crate::trial::{Departures, Latency, Stages, latency, send};
 use midair::geometry::Vec3;
-use midair::media::{Drive, LightFrame, Warp};
+use midair::media::{Drive, Warp};
 use midair::scene::Loaded;
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -26,6 +27,7 @@ use winit::window::WindowId;
 #[derive(Debug)]
 enum Event {
     Map,
+    Settled(Settled),
     Frame,
     Reading(Reading, Instant),
     SourceFailed(String),
@@ -48,12 +50,13 @@ pub fn run(loaded: Loaded, options: Options) -> Result<(Option<Latency>, Vec<Pat
     };
     let (requests, solved, spent) =
         (Arc::new(Newest::new()), Arc::new(Newest::new()), Arc::new(Newest::new()));
-    let (ready, refused) = (tell(&proxy), tell(&proxy));
+    let (ready, settled, refused) = (tell(&proxy), tell(&proxy), tell(&proxy));
     solver::start(
         Arc::clone(&requests),
         Arc::clone(&solved),
         Arc::clone(&spent),
         move || ready(Event::Map),
+        move |gain| settled(Event::Settled(gain)),
         move |why| refused(Event::SolveFailed(why)),
     );
     let (frames, paused, gone) =
@@ -103,9 +106,8 @@ pub fn run(loaded: Loaded, options: Options) -> Result<(Option<Latency>, Vec<Pat
         map: None,
         drive: (!loaded.screen.is_plain()).then(|| Drive::of_screen(&loaded.screen, COLOURS)),
         evened: options.gain.map(|overflow| Drive::of_evened(&loaded.screen, COLOURS, overflow)),
-        clipped: 0.0,
         options,
-        light: LightFrame::default(),
+        light: Lit::default(),
         frame: None,
         lattice,
         show_lattice: false,
@@ -139,7 +141,7 @@ pub(crate) struct Show {
     proxy: EventLoopProxy<Event>,
     port: Option<u16>,
     pub loaded: Arc<Loaded>,
-    requests: Arc<Newest<Request>>,
+    requests: Arc<Newest<Job>>,
     solved: Arc<Newest<Solved>>,
     /// Warps that were shown, for the solver to use their memory again.
     spent: Arc<Newest<Warp>>,
@@ -152,10 +154,8 @@ pub(crate) struct Show {
     pub drive: Option<Drive>,
     /// The codes for frames whose gain was divided out.
     pub evened: Option<Drive>,
-    /// The share of the last frame's samples that took a brighter display.
-    pub clipped: f64,
-    /// The frame's light, for such a display.
-    pub light: LightFrame,
+    /// The frame's light, for these two.
+    pub light: Lit,
     pub frame: Option<Frame>,
     pub lattice: Frame,
     pub show_lattice: bool,
@@ -191,7 +191,7 @@ impl Show {
         if size.width == 0 || size.height == 0 {
             return;
         }
-        self.requests.put(Request {
+        self.requests.put(Job::Map(Request {
             loaded: Arc::clone(&self.loaded),
             viewpoint: self.tracked.map(|(_, eye)| eye),
             resolution: [size.width as usize, size.height as usize],
@@ -199,7 +199,7 @@ impl Show {
             uncompensated: self.uncompensated,
             gain: self.options.gain,
             packet,
-        });
+        }));
     }
 
     pub fn say(&mut self, text: String) {
@@ -255,6 +255,10 @@ impl ApplicationHandler<Event> for Show {
                     self.spent.put(before.warp);
                 }
                 self.draw();
+                // Not before: both would take the same processor cores.
+                if self.options.gain.is_some() {
+                    self.requests.offer(Job::Gain);
+                }
                 // A trial begins when the show does.
                 if first && let (Some(trial), Some(port)) = (self.options.trial, self.port) {
                     let end = self.proxy.clone();
@@ -263,6 +267,16 @@ impl ApplicationHandler<Event> for Show {
                         Ok(departures) => self.departures = Some(departures),
                         Err(source) => self.fail(PlayError::Port { port, source }, events),
                     }
+                }
+            }
+            Event::Settled(Settled { viewpoint, evening }) => {
+                // A newer map has its own.
+                if let Some(map) = &mut self.map
+                    && map.viewpoint == viewpoint
+                    && map.evening.is_some()
+                {
+                    map.evening = Some(evening);
+                    self.draw();
                 }
             }
             Event::Frame => {
