@@ -72,14 +72,12 @@ impl Show {
         let started = Instant::now();
         let light = match (&map.evening, &self.evened, &self.drive) {
             (Some(evening), Some(drive), _) => {
-                let decoded = self.light.decode_evened(&frame.bytes, 4, frame.size, evening);
-                decoded.map(|clipped| self.clipped = clipped).map(|()| Some(drive))
+                self.light.of(&frame, Some(evening)).map(|light| Some((light, drive)))
             }
-            (.., Some(drive)) => self.light.decode(&frame.bytes, 4).map(|()| Some(drive)),
+            (.., Some(drive)) => self.light.of(&frame, None).map(|light| Some((light, drive))),
             _ => Ok(None),
         };
-        let Ok(drive) = light else { return };
-        let light = drive.map(|drive| (&self.light, drive));
+        let Ok(light) = light else { return };
         let picture = Picture { frame: &frame, map, light, lines: &lines };
         let drawn = match screen.presenter.show(size.into(), &picture) {
             Ok(Some(drawn)) => drawn,
@@ -132,7 +130,7 @@ impl Show {
             lines.push(format!("packet to screen {:.1} ms", 1e3 * delay));
         }
         if self.map.as_ref().is_some_and(|map| map.evening.is_some()) {
-            lines.push(format!("gain divided out, {:.1} % clipped", 100.0 * self.clipped));
+            lines.push(format!("gain divided out, {:.1} % clipped", 100.0 * self.light.clipped));
         }
         lines.push(format!("nudging: {}", self.target.name(&self.loaded)));
         if self.uncompensated {

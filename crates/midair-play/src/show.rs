@@ -1,15 +1,16 @@
 //! The window and what happens in it.
 
 use crate::draw::Screen;
+use crate::lit::Lit;
 use crate::nudge::Target;
 use crate::options::{Options, PlayError};
-use crate::solver::{self, COLOURS, Newest, Request, Solved};
+use crate::solver::{self, COLOURS, Job, Newest, Request, Settled, Solved};
 use crate::source::{Frame, Player};
 use crate::steady::Steady;
 use crate::tracker::{Calibration, Protocol, Reading, listen};
 use crate::trial::{Departures, Latency, Stages, latency, send};
 use midair::geometry::Vec3;
-use midair::media::{Drive, LightFrame, Warp};
+use midair::media::{Drive, Warp};
 use midair::scene::Loaded;
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -26,6 +27,7 @@ use winit::window::WindowId;
 #[derive(Debug)]
 enum Event {
     Map,
+    Settled(Settled),
     Frame,
     Reading(Reading, Instant),
     SourceFailed(String),
@@ -59,12 +61,13 @@ pub fn run(loaded: Loaded, options: Options) -> Result<Outcome, PlayError> {
     };
     let (requests, solved, spent) =
         (Arc::new(Newest::new()), Arc::new(Newest::new()), Arc::new(Newest::new()));
-    let (ready, refused) = (tell(&proxy), tell(&proxy));
+    let (ready, settled, refused) = (tell(&proxy), tell(&proxy), tell(&proxy));
     solver::start(
         Arc::clone(&requests),
         Arc::clone(&solved),
         Arc::clone(&spent),
         move || ready(Event::Map),
+        move |gain| settled(Event::Settled(gain)),
         move |why| refused(Event::SolveFailed(why)),
     );
     let (frames, paused, gone) =
@@ -112,12 +115,12 @@ pub fn run(loaded: Loaded, options: Options) -> Result<Outcome, PlayError> {
         paused,
         screen: None,
         stale: false,
+        gain_due: false,
         map: None,
         drive: (!loaded.screen.is_plain()).then(|| Drive::of_screen(&loaded.screen, COLOURS)),
         evened: options.gain.map(|overflow| Drive::of_evened(&loaded.screen, COLOURS, overflow)),
-        clipped: 0.0,
         options,
-        light: LightFrame::default(),
+        light: Lit::default(),
         frame: None,
         lattice,
         show_lattice: false,
@@ -153,7 +156,7 @@ pub(crate) struct Show {
     proxy: EventLoopProxy<Event>,
     port: Option<u16>,
     pub loaded: Arc<Loaded>,
-    requests: Arc<Newest<Request>>,
+    requests: Arc<Newest<Job>>,
     solved: Arc<Newest<Solved>>,
     /// Warps that were shown, for the solver to use their memory again.
     spent: Arc<Newest<Warp>>,
@@ -162,16 +165,16 @@ pub(crate) struct Show {
     pub screen: Option<Screen>,
     /// Whether there is something new to be drawn, once all that has happened is known: a picture for each event would fall behind them.
     stale: bool,
+    /// Whether there is a map whose gain the solver may go on with.
+    gain_due: bool,
     pub map: Option<Solved>,
     /// The codes of a display with a response of its own, blue first. For a plain one codes are interpolated as they are: through
     /// light it takes four times as long.
     pub drive: Option<Drive>,
     /// The codes for frames whose gain was divided out.
     pub evened: Option<Drive>,
-    /// The share of the last frame's samples that took a brighter display.
-    pub clipped: f64,
-    /// The frame's light, for such a display.
-    pub light: LightFrame,
+    /// The frame's light, for these two.
+    pub light: Lit,
     pub frame: Option<Frame>,
     pub lattice: Frame,
     pub show_lattice: bool,
@@ -207,7 +210,7 @@ impl Show {
         if size.width == 0 || size.height == 0 {
             return;
         }
-        self.requests.put(Request {
+        self.requests.put(Job::Map(Request {
             loaded: Arc::clone(&self.loaded),
             viewpoint: self.tracked.map(|(_, eye)| eye),
             resolution: [size.width as usize, size.height as usize],
@@ -215,7 +218,7 @@ impl Show {
             uncompensated: self.uncompensated,
             gain: self.options.gain,
             packet,
-        });
+        }));
     }
 
     pub fn say(&mut self, text: String) {
@@ -265,6 +268,10 @@ impl ApplicationHandler<Event> for Show {
         if std::mem::take(&mut self.stale) {
             self.draw();
         }
+        // Not before the map is shown: both would take the same processor cores.
+        if std::mem::take(&mut self.gain_due) {
+            self.requests.offer(Job::Gain);
+        }
     }
 
     fn user_event(&mut self, events: &ActiveEventLoop, event: Event) {
@@ -277,6 +284,7 @@ impl ApplicationHandler<Event> for Show {
                     self.spent.put(before.warp);
                 }
                 self.stale = true;
+                self.gain_due = self.options.gain.is_some();
                 // A trial begins when the show does.
                 if first && let (Some(trial), Some(port)) = (self.options.trial, self.port) {
                     let end = self.proxy.clone();
@@ -285,6 +293,16 @@ impl ApplicationHandler<Event> for Show {
                         Ok(departures) => self.departures = Some(departures),
                         Err(source) => self.fail(PlayError::Port { port, source }, events),
                     }
+                }
+            }
+            Event::Settled(Settled { viewpoint, evening }) => {
+                // A newer map has its own.
+                if let Some(map) = &mut self.map
+                    && map.viewpoint == viewpoint
+                    && map.evening.is_some()
+                {
+                    map.evening = Some(evening);
+                    self.stale = true;
                 }
             }
             Event::Frame => {

@@ -1,14 +1,14 @@
 //! Maps for the newest viewpoint, on a thread of their own.
 
+use crate::brightness::Brightness;
 use midair::evaluate::proof::uncompensated_map;
 use midair::geometry::Vec3;
-use midair::map::{Accuracy, Inverse, invert, with_rim};
-use midair::media::{Evening, Filter, FrameEvening, Overflow, Warp};
+use midair::map::{Accuracy, Inverse, with_rim};
+use midair::media::{Filter, FrameEvening, Overflow, Warp};
 use midair::scene::Loaded;
-use midair::simulate::{Plate, gain, image_gain};
 use midair::transport::Setup;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// What is wanted.
 #[derive(Clone, Debug)]
@@ -29,13 +29,30 @@ pub(crate) struct Request {
     pub packet: Option<(u64, Instant)>,
 }
 
+/// What the solver does next.
+#[derive(Clone, Debug)]
+pub(crate) enum Job {
+    /// A map, which is waited for.
+    Map(Request),
+    /// The map has been shown: there is time for its gain, until the next one is asked for.
+    Gain,
+}
+
+/// A gain for a map that is shown with an earlier one.
+#[derive(Clone, Debug)]
+pub(crate) struct Settled {
+    /// The map's.
+    pub viewpoint: Vec3,
+    pub evening: Arc<FrameEvening>,
+}
+
 /// A map ready to be shown.
 #[derive(Debug)]
 pub(crate) struct Solved {
     /// Counted from 0: no two maps have the same.
     pub number: u64,
     pub warp: Warp,
-    /// The gain to divide out of frames.
+    /// The gain to divide out of frames: the viewpoint's, or that of one nearby until there is time for it.
     pub evening: Option<Arc<FrameEvening>>,
     pub source: [usize; 2],
     pub viewpoint: Vec3,
@@ -43,6 +60,10 @@ pub(crate) struct Solved {
     /// Time that map and weights took, s.
     pub seconds: f64,
 }
+
+/// Nothing came in time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Late;
 
 /// A place for one thing, of which the newest counts.
 #[derive(Debug)]
@@ -63,22 +84,42 @@ impl<T> Newest<T> {
         before
     }
 
+    /// Puts a thing that gives way to whatever else is there.
+    pub fn offer(&self, thing: T) {
+        self.slot.lock().unwrap_or_else(PoisonError::into_inner).0.get_or_insert(thing);
+        self.bell.notify_one();
+    }
+
+    /// Whether there is a thing, or will be none any more.
+    pub fn calls(&self) -> bool {
+        let slot = self.slot.lock().unwrap_or_else(PoisonError::into_inner);
+        slot.0.is_some() || slot.1
+    }
+
     /// Takes the thing, if there is one.
     pub fn take(&self) -> Option<T> {
         self.slot.lock().unwrap_or_else(PoisonError::into_inner).0.take()
     }
 
-    /// Waits for a thing; `None` once [`close`](Self::close)d.
-    pub fn wait(&self) -> Option<T> {
+    /// Waits for a thing, but no longer than that; `None` once [`close`](Self::close)d.
+    ///
+    /// # Errors
+    /// [`Late`] where none came in time.
+    pub fn wait_within(&self, longest: Duration) -> Result<Option<T>, Late> {
+        let start = Instant::now();
         let mut slot = self.slot.lock().unwrap_or_else(PoisonError::into_inner);
         loop {
             if slot.1 {
-                return None;
+                return Ok(None);
             }
             if let Some(thing) = slot.0.take() {
-                return Some(thing);
+                return Ok(Some(thing));
             }
-            slot = self.bell.wait(slot).unwrap_or_else(PoisonError::into_inner);
+            let left = longest.saturating_sub(start.elapsed());
+            if left.is_zero() {
+                return Err(Late);
+            }
+            slot = self.bell.wait_timeout(slot, left).unwrap_or_else(PoisonError::into_inner).0;
         }
     }
 
@@ -89,19 +130,41 @@ impl<T> Newest<T> {
     }
 }
 
-/// Solves whatever is newest until the requests are closed. `ready` is called after each map; `refused` with what cannot be solved.
-/// Warps that are no longer shown come back by `spent`: their memory is used again.
+/// The viewer rests when no map was asked for in so long, the period of one and a half packets of a tracker that sends 60 a second.
+/// A gain that was worked out meanwhile goes with the next map, so that a moving viewer's frames are drawn once each; at rest it is
+/// shown by itself.
+const REST: Duration = Duration::from_millis(25);
+
+/// Solves whatever is newest until the jobs are closed. `ready` is called after each map, `settled` with a gain that replaces a shown
+/// map's, `refused` with what cannot be solved. Warps that are no longer shown come back by `spent`: their memory is used again.
 pub(crate) fn start(
-    requests: Arc<Newest<Request>>,
+    jobs: Arc<Newest<Job>>,
     solved: Arc<Newest<Solved>>,
     spent: Arc<Newest<Warp>>,
     ready: impl Fn() + Send + 'static,
+    settled: impl Fn(Settled) + Send + 'static,
     refused: impl Fn(String) + Send + 'static,
 ) {
     std::thread::spawn(move || {
         let mut known: Option<Known> = None;
         let mut numbers = 0..;
-        while let Some(request) = requests.wait() {
+        // What is to be shown when the viewer rests.
+        let mut owed = None;
+        loop {
+            let longest = if owed.is_some() { REST } else { Duration::MAX };
+            let request = match jobs.wait_within(longest) {
+                Err(Late) => {
+                    owed.take().into_iter().for_each(&settled);
+                    continue;
+                }
+                Ok(None) => return,
+                Ok(Some(Job::Gain)) => {
+                    owed = known.as_mut().and_then(|known| known.settle(&jobs)).or(owed);
+                    continue;
+                }
+                Ok(Some(Job::Map(request))) => request,
+            };
+            owed = None;
             let start = Instant::now();
             let same =
                 known.as_ref().is_some_and(|known| Arc::ptr_eq(&known.loaded, &request.loaded));
@@ -114,30 +177,15 @@ pub(crate) fn start(
                     }
                 }
             }
-            let Some(Known { loaded, setup, brightness }) = &mut known else { continue };
-            setup.resolution = request.resolution;
-            setup.viewpoint =
-                request.viewpoint.unwrap_or_else(|| Vec3::from_array(loaded.scene.viewpoint));
-            let warp = if request.uncompensated {
-                let map = with_rim(&uncompensated_map(loaded, setup));
-                Warp::new(&map, request.source, Filter::Bilinear)
-            } else {
-                let inverse = Inverse::new(setup, Accuracy { tolerance: LIVE_TOLERANCE });
-                Warp::of_inverse(&inverse, request.source, spent.take())
-            };
-            // A picture without compensation is shown as it is.
-            let evening = brightness
-                .as_mut()
-                .filter(|_| !request.uncompensated)
-                .map(|brightness| brightness.evening(setup));
-            match warp {
-                Ok(warp) => {
+            let Some(known) = &mut known else { continue };
+            match known.solve(&request, spent.take()) {
+                Ok((warp, evening)) => {
                     let overtaken = solved.put(Solved {
                         number: numbers.next().unwrap_or_default(),
                         warp,
                         evening,
                         source: request.source,
-                        viewpoint: setup.viewpoint,
+                        viewpoint: known.setup.viewpoint,
                         packet: request.packet,
                         seconds: start.elapsed().as_secs_f64(),
                     });
@@ -146,7 +194,7 @@ pub(crate) fn start(
                         spent.put(overtaken.warp);
                     }
                 }
-                Err(error) => refused(error.to_string()),
+                Err(why) => refused(why),
             }
         }
     });
@@ -160,95 +208,127 @@ struct Known {
     loaded: Arc<Loaded>,
     setup: Setup,
     brightness: Option<Brightness>,
+    /// What the last map was handed over with.
+    evening: Option<Arc<FrameEvening>>,
 }
-
-/// What the gain is divided out by.
-struct Brightness {
-    plate: Plate,
-    /// How bright white is, over the display's: what the scene's own viewpoint allows. It stays while the viewer moves, for a picture whose
-    /// brightness goes with the viewer's head is worse than one that clips at its most demanding pixels from aside.
-    level: f64,
-    /// The last gain, and the eye that it is for.
-    last: Option<(Vec3, Arc<FrameEvening>)>,
-}
-
-/// A gain serves all eyes as near as this to its own, mm. It costs more than the map, and is smooth where the map is: from 5 mm aside
-/// it is within half a hundredth of itself nearly everywhere (a test holds it to that), which is half a code.
-const SAME_GAIN: f64 = 5.0;
-
-impl Brightness {
-    fn evening(&mut self, setup: &Setup) -> Arc<FrameEvening> {
-        if let Some((eye, evening)) = &self.last
-            && (*eye - setup.viewpoint).length() <= SAME_GAIN
-        {
-            return Arc::clone(evening);
-        }
-        let evening =
-            Arc::new(FrameEvening::new(&image_gain(setup, &self.plate), self.level, COLOURS));
-        self.last = Some((setup.viewpoint, Arc::clone(&evening)));
-        evening
-    }
-}
-
-/// Columns of the display that the level is found with: it is the gain of the most demanding pixel or tenth of the pixels, and
-/// gains change little between pixels.
-const LEVEL_COLUMNS: usize = 320;
 
 impl Known {
     fn new(request: &Request) -> Result<Self, String> {
         let loaded = Arc::clone(&request.loaded);
         let setup = Setup::new(&loaded).map_err(|error| error.to_string())?;
-        let brightness = request.gain.map(|overflow| {
-            let plate = Plate::of_scene(&loaded, &setup).map_err(|error| error.to_string())?;
-            let [width, height] = request.resolution;
-            let columns = width.min(LEVEL_COLUMNS);
-            let rows = (height * columns / width.max(1)).max(1);
-            let small = Setup { resolution: [columns, rows], ..setup.clone() };
-            let (map, _) = invert(&small, Accuracy { tolerance: LIVE_TOLERANCE });
-            let level = Evening::for_white(&gain(&small, &plate, &map), overflow).level();
-            Ok::<_, String>(Brightness { plate, level, last: None })
-        });
-        Ok(Self { setup, brightness: brightness.transpose()?, loaded })
+        let brightness = request
+            .gain
+            .map(|overflow| Brightness::new(&loaded, &setup, request.resolution, overflow))
+            .transpose()?;
+        Ok(Self { loaded, setup, brightness, evening: None })
+    }
+
+    fn solve(
+        &mut self,
+        request: &Request,
+        spent: Option<Warp>,
+    ) -> Result<(Warp, Option<Arc<FrameEvening>>), String> {
+        let (loaded, setup) = (&self.loaded, &mut self.setup);
+        setup.resolution = request.resolution;
+        setup.viewpoint =
+            request.viewpoint.unwrap_or_else(|| Vec3::from_array(loaded.scene.viewpoint));
+        let warp = if request.uncompensated {
+            let map = with_rim(&uncompensated_map(loaded, setup));
+            Warp::new(&map, request.source, Filter::Bilinear)
+        } else {
+            let inverse = Inverse::new(setup, Accuracy { tolerance: LIVE_TOLERANCE });
+            Warp::of_inverse(&inverse, request.source, spent)
+        };
+        // A picture without compensation is shown as it is.
+        let brightness = self.brightness.as_mut().filter(|_| !request.uncompensated);
+        self.evening = brightness.map(|brightness| brightness.at_hand(setup));
+        warp.map(|warp| (warp, self.evening.clone())).map_err(|error| error.to_string())
+    }
+
+    /// Goes on with the last map's gain until something else is to be done. The gain, once it is another than the map was handed over
+    /// with.
+    fn settle(&mut self, jobs: &Newest<Job>) -> Option<Settled> {
+        let (Some(brightness), Some(handed)) = (&mut self.brightness, &self.evening) else {
+            return None;
+        };
+        while !jobs.calls() {
+            if let Some(evening) = brightness.go_on(&self.setup) {
+                let viewpoint = self.setup.viewpoint;
+                return (!Arc::ptr_eq(&evening, handed)).then_some(Settled { viewpoint, evening });
+            }
+        }
+        None
     }
 }
 
 /// A twentieth of a pixel of 2048: finer is not seen, and coarser is not quicker.
-const LIVE_TOLERANCE: f64 = 2.5e-5;
+pub(crate) const LIVE_TOLERANCE: f64 = 2.5e-5;
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::mpsc::channel;
 
     #[test]
-    fn a_gain_serves_eyes_nearby() {
-        for name in ["sphere", "cube", "cylinder", "bent-mirror-convex"] {
-            let file = format!("../../scenes/paper/{name}.toml");
-            let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-            let mut setup = Setup::new(&midair::scene::load(&root.join(file)).unwrap()).unwrap();
-            let here = image_gain(&setup, &Plate::Ideal);
-            setup.viewpoint = setup.viewpoint + Vec3::new(SAME_GAIN, 0.0, 0.0);
-            let aside = image_gain(&setup, &Plate::Ideal);
-            let (mut far, mut all) = (0, 0);
-            for uv in (0..10_000).map(|i| [i % 100, i / 100].map(|i| (f64::from(i) + 0.5) / 100.0))
-            {
-                let ([a, ..], [b, ..]) = (here.at(uv), aside.at(uv));
-                if a.is_finite() && b.is_finite() {
-                    all += 1;
-                    far += i32::from((a - b).abs() > 0.005 * a);
-                }
-            }
-            println!("{name}: {far} of {all}");
-            // Along the edges of what is formed the gain falls steeply.
-            assert!(all > 3000 && far * 50 < all, "{name}: {far} of {all}");
-        }
+    fn a_map_has_the_last_gain_at_once_and_its_own_when_the_viewer_rests() {
+        let scene = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/paper");
+        let loaded = Arc::new(midair::scene::load(&scene.join("sphere.toml")).unwrap());
+        let (jobs, solved, spent) =
+            (Arc::new(Newest::new()), Arc::new(Newest::new()), Arc::new(Newest::new()));
+        let ((ready, maps), (settled, gains)) = (channel(), channel());
+        start(
+            Arc::clone(&jobs),
+            Arc::clone(&solved),
+            spent,
+            move || ready.send(()).unwrap(),
+            move |gain| settled.send(gain).unwrap(),
+            |why| panic!("{why}"),
+        );
+        let eye = Vec3::from_array(loaded.scene.viewpoint);
+        let map = |x: f64| {
+            let viewpoint = eye + Vec3::new(x, 0.0, 0.0);
+            jobs.put(Job::Map(Request {
+                loaded: Arc::clone(&loaded),
+                viewpoint: Some(viewpoint),
+                resolution: [64, 64],
+                source: [32, 32],
+                uncompensated: false,
+                gain: Some(Overflow::Fit),
+                packet: None,
+            }));
+            maps.recv_timeout(Duration::from_secs(60)).unwrap();
+            let solved: Solved = solved.take().unwrap();
+            assert_eq!(solved.viewpoint, viewpoint);
+            solved.evening.unwrap()
+        };
+        let first = map(0.0);
+        let moved = map(8.0);
+        assert!(Arc::ptr_eq(&moved, &first));
+        jobs.offer(Job::Gain);
+        let own = gains.recv_timeout(Duration::from_secs(60)).unwrap();
+        assert_eq!(own.viewpoint, eye + Vec3::new(8.0, 0.0, 0.0));
+        assert!(own.evening != first);
+        // The next map has it, and nothing is left to be settled.
+        assert!(Arc::ptr_eq(&map(8.0), &own.evening));
+        jobs.offer(Job::Gain);
+        assert!(gains.recv_timeout(8 * REST).is_err());
+        jobs.close();
     }
 
     #[test]
     fn the_newest_wins_and_closing_ends_the_wait() {
         let newest = Newest::new();
+        assert_eq!(newest.wait_within(Duration::from_millis(1)), Err(Late));
         assert_eq!((newest.put(1), newest.put(2)), (None, Some(1)));
-        assert_eq!((newest.wait(), newest.take()), (Some(2), None));
+        // What is offered gives way.
+        newest.offer(3);
+        assert!(newest.calls());
+        assert_eq!(newest.wait_within(Duration::MAX), Ok(Some(2)));
+        assert_eq!(newest.take(), None);
+        assert!(!newest.calls());
+        newest.offer(4);
+        assert_eq!(newest.wait_within(Duration::MAX), Ok(Some(4)));
         newest.close();
-        assert_eq!(newest.wait(), None);
+        assert_eq!(newest.wait_within(Duration::MAX), Ok(None));
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{BALL, Bench, set_up, waves};
 use midair::geometry::Vec3;
-use midair::map::{Accuracy, Map, invert, with_rim};
+use midair::map::{Accuracy, Gain, Map, invert, with_rim};
 use midair::media::{Depth, Evening, Filter, Overflow, Warp, read_still, srgb, write_still};
 use midair::scene::load;
 use midair::transport::Setup;
@@ -181,6 +181,39 @@ impl Stage {
         self.through(&with_rim(&invert(&setup, Accuracy::default()).0))
     }
 
+    /// The map for an eye, and its gain pixel by pixel, both with their rim.
+    fn gain(&self, eye: Vec3) -> (Map, Gain) {
+        let setup = Setup { viewpoint: eye, ..self.setup.clone() };
+        let (map, _) = invert(&setup, Accuracy::default());
+        let gain = midair::simulate::gain(&setup, &midair::simulate::Plate::Ideal, &map);
+        (with_rim(&map), gain.with_rim())
+    }
+
+    /// What the display shows to an eye with the gain divided out of each of its pixels' light. White is as bright as the scene's own
+    /// viewpoint allows.
+    fn evened(&self, eye: Vec3) -> Vec<u8> {
+        let own = self.gain(self.setup.viewpoint).1;
+        let level = Evening::for_white(&own, Overflow::Fit).level() as f32;
+        let (map, gain) = self.gain(eye);
+        let light: Vec<f32> = self.picture.iter().map(|&code| srgb::decode_8(code)).collect();
+        let mut shown = vec![0; SIDE * SIDE * 3];
+        for (i, uv) in map.uv.iter().enumerate().filter(|(_, uv)| uv[0].is_finite()) {
+            let [x, y] = [(uv[0] * 200.0 - 0.5, 199.0), ((1.0 - uv[1]) * 160.0 - 0.5, 159.0)]
+                .map(|(at, last): (f64, f64)| at.clamp(0.0, last));
+            let [(left, right), (above, below)] =
+                [(x, 199), (y, 159)].map(|(at, last)| (at as usize, (at as usize + 1).min(last)));
+            let [a, b] = [x.fract() as f32, y.fract() as f32];
+            for c in 0..3 {
+                let at = |column: usize, row: usize| light[(row * 200 + column) * 3 + c];
+                let upper = (1.0 - a) * at(left, above) + a * at(right, above);
+                let lower = (1.0 - a) * at(left, below) + a * at(right, below);
+                let mean = (1.0 - b) * upper + b * lower;
+                shown[3 * i + c] = srgb::encode_8((mean * level / gain.rgb[i][c]).min(1.0));
+            }
+        }
+        shown
+    }
+
     fn through(&self, map: &Map) -> Vec<u8> {
         let warp = Warp::new(map, [200, 160], Filter::Bilinear).unwrap();
         let mut shown = vec![0; SIDE * SIDE * 3];
@@ -192,6 +225,9 @@ impl Stage {
 /// A code of difference where a weight of 14 bits falls the other way: the live map is solved to 2.5e-5 of the picture, and
 /// the waves rise by less than 90 codes a pixel of 1/160.
 const TOLERANCE: u8 = 2;
+
+/// One code more for the gain's grid and its place before the warp.
+const EVENED: u8 = TOLERANCE + 1;
 
 #[test]
 fn the_window_shows_the_display_image_and_obeys_keys() {
@@ -245,37 +281,17 @@ fn the_gain_is_divided_out_unless_the_picture_is_shown_as_it_is() {
     // Tinted, so that red loses most, and most in the middle.
     let tinted = BALL.replace("ior = 1.49", "ior = 1.49, absorption = [0.02, 0.005, 0.0]");
     let stage = Stage::with("", &tinted);
-    let (map, _) = invert(&stage.setup, Accuracy::default());
-    let gain = midair::simulate::gain(&stage.setup, &midair::simulate::Plate::Ideal, &map);
-    let level = Evening::for_white(&gain, Overflow::Fit).level() as f32;
-    let range = gain.range().unwrap();
+    let range = stage.gain(stage.setup.viewpoint).1.range().unwrap();
     // Without a difference the test would show nothing: exp(-0.02 * 50) of red is left in the middle.
     assert!(range[0] < 0.5 * range[1], "{range:?}");
-    let light: Vec<f32> = stage.picture.iter().map(|&code| srgb::decode_8(code)).collect();
-    let (gain, map) = (gain.with_rim(), with_rim(&map));
-    let mut expected = vec![0; SIDE * SIDE * 3];
-    for (i, uv) in map.uv.iter().enumerate().filter(|(_, uv)| uv[0].is_finite()) {
-        let [x, y] = [(uv[0] * 200.0 - 0.5, 199.0), ((1.0 - uv[1]) * 160.0 - 0.5, 159.0)]
-            .map(|(at, last): (f64, f64)| at.clamp(0.0, last));
-        let [(left, right), (above, below)] =
-            [(x, 199), (y, 159)].map(|(at, last)| (at as usize, (at as usize + 1).min(last)));
-        let [a, b] = [x.fract() as f32, y.fract() as f32];
-        for c in 0..3 {
-            let at = |column: usize, row: usize| light[(row * 200 + column) * 3 + c];
-            let upper = (1.0 - a) * at(left, above) + a * at(right, above);
-            let lower = (1.0 - a) * at(left, below) + a * at(right, below);
-            let mean = (1.0 - b) * upper + b * lower;
-            expected[3 * i + c] = srgb::encode_8((mean * level / gain.rgb[i][c]).min(1.0));
-        }
-    }
+    let expected = stage.evened(stage.setup.viewpoint);
     let mut show = screen.play(&stage.bench, &["ball.toml", "p.png", "--gain"]);
-    // One code for the gain's grid and its place before the warp, two as for the plain picture.
-    screen.await_picture("evened", &expected, TOLERANCE + 1);
+    screen.await_picture("evened", &expected, EVENED);
     screen.focus();
     screen.key(&["u"]);
     screen.await_picture("as it is", &stage.through(&Map::identity(SIDE, SIDE)), TOLERANCE);
     screen.key(&["u"]);
-    screen.await_picture("evened again", &expected, TOLERANCE + 1);
+    screen.await_picture("evened again", &expected, EVENED);
     assert!(show.try_wait().unwrap().is_none());
     end(show);
 }
@@ -344,6 +360,51 @@ fn without_a_graphics_device_the_processor_shows_or_the_reason_is_told() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(told["renderer"], "processor");
+}
+
+/// While the viewer moves, maps are shown with the gain of a moment ago; once at rest, with their own.
+#[test]
+fn the_gain_of_a_moving_viewer_settles_when_the_viewer_rests() {
+    let Some(screen) = XScreen::open() else { return };
+    // A tinted bead half way to the viewer, which bends no light: from aside another part of it is before each image point, so that the
+    // gain changes much within the distance that it is kept over.
+    let bead = "[[element]]\nname = \"bead\"\nshape = { kind = \"sphere\", radius = 25.0 }\n\
+                position = [0.0, 0.0, 400.0]\n\
+                material = { ior = 1.0, absorption = [0.04, 0.0, 0.02] }\n";
+    let stage = Stage::with("", &format!("{BALL}{bead}"));
+    let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let track = format!("opentrack:{port}");
+    let show = screen.play(
+        &stage.bench,
+        &["ball.toml", "p.png", "--gain", "--track", &track, "--no-smoothing", "--predict", "0"],
+    );
+    screen.await_picture("at rest", &stage.evened(stage.setup.viewpoint), EVENED);
+    let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let send = |eye: Vec3| {
+        let packet: Vec<u8> = [eye.x / 10.0, eye.y / 10.0, eye.z / 10.0, 0.0, 0.0, 0.0]
+            .iter()
+            .flat_map(|n: &f64| n.to_le_bytes())
+            .collect();
+        socket.send_to(&packet, ("127.0.0.1", port)).unwrap();
+        std::thread::sleep(Duration::from_millis(16));
+    };
+    for side in [1.0, -1.0] {
+        // 180 mm/s, and at the end further at once than the eye of the last gain may be from where the viewer rests without a new
+        // one being solved with the map: what is seen then is what was solved afterwards.
+        let at = |x: f64| Vec3::new(side * x, 0.1 * x, 800.0 - 0.2 * x);
+        let path = (0..30).map(|i| 3.0 * f64::from(i)).map(|x| x.min(30.0));
+        path.map(at).for_each(&send);
+        let last = at(38.0);
+        let [before, after] = [at(30.0), last].map(|eye| stage.gain(eye).1);
+        // Where both have an answer: by how much the light would be wrong.
+        let off = before.rgb.iter().zip(&after.rgb).map(|(a, b)| (a[0] / b[0] - 1.0).abs());
+        let off = off.filter(|off| off.is_finite()).fold(0.0, f32::max);
+        // A tenth of the light is 9 codes of 230.
+        assert!(off > 0.08, "{off}");
+        send(last);
+        screen.await_picture("after a motion", &stage.evened(last), EVENED);
+    }
+    end(show);
 }
 
 #[test]

@@ -44,52 +44,85 @@ const BENT: f32 = 4e-3;
 /// with a slit-mirror plate besides a tenth of the ball's points. Nodes
 /// beside the last answered ones are continued by the mean of their neighbours, so that interpolation goes on to the border.
 pub fn image_gain(setup: &Setup, plate: &Plate) -> ImageGain {
-    let of_node = |path: &mut Path, column: usize, row: usize, cells: usize| {
-        let uv = [column as f64 / cells as f64, 1.0 - row as f64 / cells as f64];
-        let found = arriving(setup, plate, uv, path);
-        found.map_or([f32::NAN; 3], |(_, share)| share.map(|share| share as f32))
-    };
-    let line = COARSE + 1;
-    let coarse: Vec<[f32; 3]> = (0..line * line)
-        .into_par_iter()
-        .with_min_len(line)
-        .map_init(Path::new, |path, i| of_node(path, i % line, i / line, COARSE))
-        .collect();
-    let blocks = COARSE / BLOCK;
-    let too_coarse: Vec<bool> =
-        (0..blocks * blocks).map(|b| is_bent(&coarse, [b % blocks, b / blocks])).collect();
-    if !too_coarse.contains(&true) {
-        let nodes = Gain { width: line, height: line, rgb: coarse };
-        return ImageGain { nodes: continued(nodes) };
+    let mut work = ImageGainWork::new(setup.clone());
+    loop {
+        if let Some(gain) = work.go_on(plate, usize::MAX) {
+            return gain;
+        }
     }
-    let known = ImageGain { nodes: Gain { width: line, height: line, rgb: coarse } };
-    let cells = COARSE * FINER;
-    let line = cells + 1;
-    let bent = |column: usize, row: usize| {
-        // A node on the line between two blocks belongs to both.
-        let around = |n: usize| {
-            let side = BLOCK * FINER;
-            let block = n / side;
-            let first = if n.is_multiple_of(side) { block.saturating_sub(1) } else { block };
-            first..=block.min(blocks - 1)
-        };
-        around(row).any(|y| around(column).any(|x| too_coarse[y * blocks + x]))
-    };
-    let rgb = (0..line * line)
-        .into_par_iter()
-        .with_min_len(line)
-        .map_init(Path::new, |path, i| {
-            let (column, row) = (i % line, i / line);
-            if column.is_multiple_of(FINER) && row.is_multiple_of(FINER) {
-                known.nodes.rgb[row / FINER * (COARSE + 1) + column / FINER]
-            } else if bent(column, row) {
-                of_node(path, column, row, cells)
-            } else {
-                known.at([column as f64 / cells as f64, 1.0 - row as f64 / cells as f64])
+}
+
+/// [`image_gain`] a few rows of its grid at a time, for those who have something more urgent to do in between.
+#[derive(Debug)]
+pub struct ImageGainWork {
+    setup: Setup,
+    /// The nodes of the grid that are known, whole rows from the top.
+    rgb: Vec<[f32; 3]>,
+    /// The coarse grid, once it is complete, and which of its blocks are too coarse.
+    coarse: Option<(ImageGain, Vec<bool>)>,
+}
+
+impl ImageGainWork {
+    /// Nothing is worked out yet.
+    pub fn new(setup: Setup) -> Self {
+        Self { setup, rgb: Vec::new(), coarse: None }
+    }
+
+    /// Works out so many rows more. The gain, once it is complete; after that it begins anew.
+    pub fn go_on(&mut self, plate: &Plate, rows: usize) -> Option<ImageGain> {
+        let line = self.cells() + 1;
+        let start = self.rgb.len();
+        let end = (line * line).min(start.saturating_add(rows.saturating_mul(line)));
+        let more: Vec<[f32; 3]> = (start..end)
+            .into_par_iter()
+            .with_min_len(line)
+            .map_init(Path::new, |path, i| self.node(plate, path, [i % line, i / line]))
+            .collect();
+        self.rgb.extend(more);
+        if end < line * line {
+            return None;
+        }
+        let nodes = Gain { width: line, height: line, rgb: std::mem::take(&mut self.rgb) };
+        if self.coarse.take().is_none() {
+            let blocks = COARSE / BLOCK;
+            let too_coarse: Vec<bool> = (0..blocks * blocks)
+                .map(|b| is_bent(&nodes.rgb, [b % blocks, b / blocks]))
+                .collect();
+            if too_coarse.contains(&true) {
+                self.coarse = Some((ImageGain { nodes }, too_coarse));
+                return None;
             }
-        })
-        .collect();
-    ImageGain { nodes: continued(Gain { width: line, height: line, rgb }) }
+        }
+        Some(ImageGain { nodes: continued(nodes) })
+    }
+
+    /// Cells along a side of the grid that is under way.
+    fn cells(&self) -> usize {
+        if self.coarse.is_some() { COARSE * FINER } else { COARSE }
+    }
+
+    fn node(&self, plate: &Plate, path: &mut Path, [column, row]: [usize; 2]) -> [f32; 3] {
+        let cells = self.cells() as f64;
+        let uv = [column as f64 / cells, 1.0 - row as f64 / cells];
+        if let Some((coarse, too_coarse)) = &self.coarse {
+            if column.is_multiple_of(FINER) && row.is_multiple_of(FINER) {
+                return coarse.nodes.rgb[row / FINER * (COARSE + 1) + column / FINER];
+            }
+            let blocks = COARSE / BLOCK;
+            // A node on the line between two blocks belongs to both.
+            let around = |n: usize| {
+                let side = BLOCK * FINER;
+                let block = n / side;
+                let first = if n.is_multiple_of(side) { block.saturating_sub(1) } else { block };
+                first..=block.min(blocks - 1)
+            };
+            if !around(row).any(|y| around(column).any(|x| too_coarse[y * blocks + x])) {
+                return coarse.at(uv);
+            }
+        }
+        let found = arriving(&self.setup, plate, uv, path);
+        found.map_or([f32::NAN; 3], |(_, share)| share.map(|share| share as f32))
+    }
 }
 
 /// Whether the inner nodes of a block of the coarse grid are not where its corners let one expect them.

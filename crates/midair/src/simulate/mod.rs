@@ -22,7 +22,7 @@ pub mod tone;
 pub use camera::{Camera, Sight};
 pub use chart::{Chart, colour_map, point_spread_chart, shares_chart, viewpoints_chart};
 pub use film::{ErrorEstimate, Layers, Light, Render};
-pub use gain::{faded_view, gain, image_gain};
+pub use gain::{ImageGainWork, faded_view, gain, image_gain};
 pub use lens::Viewer;
 pub use light::Plate;
 pub use measured::Measured;

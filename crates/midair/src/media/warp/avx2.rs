@@ -2,7 +2,7 @@
 //! bounds-checked.
 
 use super::kernel::{self, BILINEAR_DROP, BILINEAR_LAST, CUBIC_DROP, CUBIC_LAST, SAMPLE_BITS};
-use super::taps::{CubicTables, ONE, Plan, Tap};
+use super::taps::{AHEAD, CubicTables, ONE, Plan, Tap};
 use std::arch::x86_64::*;
 use std::ops::Range;
 
@@ -67,6 +67,28 @@ fn weight_pairs(fractions: __m256i) -> __m256i {
     _mm256_or_si256(first, _mm256_slli_epi32::<16>(fractions))
 }
 
+/// The weights of eight pixels' taps, across and down.
+#[inline]
+#[target_feature(enable = "avx2")]
+pub(super) fn weights(taps: &[Tap; 8]) -> (__m256i, __m256i) {
+    // Written out: closures would not share the instruction set, and the numbers would go through memory.
+    macro_rules! fractions {
+        ($axis:ident) => {
+            _mm256_setr_epi32(
+                i32::from(taps[0].$axis),
+                i32::from(taps[1].$axis),
+                i32::from(taps[2].$axis),
+                i32::from(taps[3].$axis),
+                i32::from(taps[4].$axis),
+                i32::from(taps[5].$axis),
+                i32::from(taps[6].$axis),
+                i32::from(taps[7].$axis),
+            )
+        };
+    }
+    (weight_pairs(fractions!(x)), weight_pairs(fractions!(y)))
+}
+
 #[target_feature(enable = "avx2")]
 pub(super) fn bilinear<const C: usize>(
     frame: &[u8],
@@ -80,29 +102,8 @@ pub(super) fn bilinear<const C: usize>(
     let (blocks, rest) = taps.as_chunks::<8>();
     let (targets, last) = output.split_at_mut(blocks.len() * 8 * C);
     for (block, target) in blocks.iter().zip(targets.chunks_exact_mut(8 * C)) {
-        let fraction = |k: usize| i32::from(block[k].x);
-        let fx = _mm256_setr_epi32(
-            fraction(0),
-            fraction(1),
-            fraction(2),
-            fraction(3),
-            fraction(4),
-            fraction(5),
-            fraction(6),
-            fraction(7),
-        );
-        let fraction = |k: usize| i32::from(block[k].y);
-        let fy = _mm256_setr_epi32(
-            fraction(0),
-            fraction(1),
-            fraction(2),
-            fraction(3),
-            fraction(4),
-            fraction(5),
-            fraction(6),
-            fraction(7),
-        );
-        let (wx, wy) = (weight_pairs(fx), weight_pairs(fy));
+        _mm_prefetch::<_MM_HINT_T0>(block.as_ptr().wrapping_add(AHEAD).cast());
+        let (wx, wy) = weights(block);
         // Pixels k and k + 4 in the two lanes.
         macro_rules! two {
             ($k:literal, $spread:literal) => {{
@@ -139,7 +140,7 @@ pub(super) fn bilinear<const C: usize>(
 /// Stores four pixels of four bytes each, as C bytes each.
 #[inline]
 #[target_feature(enable = "avx2")]
-fn store_four<const C: usize>(codes: __m128i, target: &mut [u8]) {
+pub(super) fn store_four<const C: usize>(codes: __m128i, target: &mut [u8]) {
     let codes = if C == 4 {
         codes
     } else {

@@ -73,7 +73,7 @@ impl Drive {
     /// # Panics
     /// For another channel.
     pub fn codes(&self, channel: usize) -> &[u8] {
-        &self.codes[channel][..]
+        self.codes.of(channel)
     }
 }
 

@@ -5,6 +5,8 @@
 //! a gain per source pixel is interpolated along with the light: the difference is a quarter of what the light differs by between
 //! two source pixels times what the gain does, far less than a code. And nothing is worked out per display pixel.
 
+#[cfg(target_arch = "x86_64")]
+use super::light_avx2;
 use super::linear::{DECODE, LightFrame, WHITE, curve};
 use super::{WarpError, check_frame_samples, check_source};
 use crate::map::{ImageGain, cell};
@@ -54,18 +56,47 @@ impl FrameEvening {
         &self.factors
     }
 
-    /// The factors of a row of a frame of `height` rows, at the nodes' columns.
-    fn row(&self, row: usize, height: usize, factors: &mut Vec<[f32; 4]>) {
-        let (above, t) = cell((row as f64 + 0.5) / height as f64, self.rows - 1);
-        let [above, below] =
-            [above, above + 1].map(|y| &self.factors[y * self.columns..(y + 1) * self.columns]);
-        factors.clear();
-        factors.extend(above.iter().zip(below).map(|(a, b)| mix(a, b, t)));
+    /// The factors of a row of nodes, at the columns of a frame of `width`.
+    fn line(&self, row: usize, width: usize, line: &mut Vec<[f32; 4]>) {
+        let nodes = &self.factors[row * self.columns..(row + 1) * self.columns];
+        let cells = self.columns - 1;
+        let step = cells as f32 / width as f32;
+        line.clear();
+        for cell in 0..cells {
+            let (start, end) = (first_in(cell, cells, width), first_in(cell + 1, cells, width));
+            let offset = (start as f32 + 0.5) * step - cell as f32;
+            let (a, b) = (nodes[cell], nodes[cell + 1]);
+            line.extend((0..end - start).map(|i| mix(&a, &b, offset + i as f32 * step)));
+        }
     }
 }
 
 fn mix(a: &[f32; 4], b: &[f32; 4], t: f32) -> [f32; 4] {
     std::array::from_fn(|c| a[c] + t * (b[c] - a[c]))
+}
+
+/// The factors of the rows of nodes above and below some rows of a frame, at the frame's columns.
+#[derive(Default)]
+struct Lines {
+    /// Which row of nodes is the upper one.
+    above: Option<usize>,
+    lines: [Vec<[f32; 4]>; 2],
+}
+
+impl Lines {
+    /// Those around the row of cells `above`, from the top.
+    fn around(&mut self, above: usize, width: usize, evening: &FrameEvening) -> [&[[f32; 4]]; 2] {
+        if self.above != Some(above) {
+            let [upper, lower] = &mut self.lines;
+            match self.above {
+                Some(before) if before + 1 == above => std::mem::swap(upper, lower),
+                _ => evening.line(above, width, upper),
+            }
+            evening.line(above + 1, width, lower);
+            self.above = Some(above);
+        }
+        self.lines.each_ref().map(Vec::as_slice)
+    }
 }
 
 impl LightFrame {
@@ -94,7 +125,13 @@ impl LightFrame {
 }
 
 /// 2^23: from here to twice as much a float's last bit counts ones, so that adding it rounds.
-const ROUNDING: f32 = (1u32 << 23) as f32;
+pub(super) const ROUNDING: f32 = (1u32 << 23) as f32;
+
+/// Light of the codes, colours' after one another and then alpha's.
+pub(super) type Light = [[f32; 256]; 2];
+
+/// The display's white, and one more: rounding of a pixel that is exactly at the level is no clipping.
+pub(super) const MOST: i32 = WHITE / HEADROOM as i32 + 1;
 
 fn decode<const C: usize>(
     frame: &[u8],
@@ -102,36 +139,53 @@ fn decode<const C: usize>(
     evening: &FrameEvening,
     light: &mut [[i16; 4]],
 ) -> f64 {
-    let tables = DECODE.each_ref().map(|table| table.map(f32::from));
-    let cells = evening.columns - 1;
-    // Rounding of a pixel that is exactly at the level is no clipping.
-    let white = (WHITE as f32 / HEADROOM) as i32 + 1;
+    let tables: Light = DECODE.each_ref().map(|table| table.map(f32::from));
     let clipped = AtomicUsize::new(0);
     let rows = light.par_chunks_mut(width).zip(frame.par_chunks(width * C)).enumerate();
-    rows.with_min_len(8).for_each_init(Vec::new, |factors, (row, (light, frame))| {
-        evening.row(row, height, factors);
-        let mut above_white = 0;
-        let step = cells as f32 / width as f32;
-        for cell in 0..cells {
-            let (start, end) = (first_in(cell, cells, width), first_in(cell + 1, cells, width));
-            let (a, b) = (factors[cell], factors[cell + 1]);
-            let offset = (start as f32 + 0.5) * step - cell as f32;
-            let pixels = light[start..end].iter_mut();
-            let frame = frame[start * C..end * C].as_chunks::<C>().0;
-            for (i, (light, pixel)) in pixels.zip(frame).enumerate() {
-                let t = offset + i as f32 * step;
-                for c in 0..C {
-                    let factor = a[c] + t * (b[c] - a[c]);
-                    let value = tables[curve(c)][usize::from(pixel[c])] * factor;
-                    let value = ((value + ROUNDING).to_bits() & 0x7fff) as i32;
-                    above_white += usize::from((c < 3) & (value > white));
-                    light[c] = value as i16;
-                }
-            }
-        }
+    rows.with_min_len(16).for_each_init(Lines::default, |lines, (row, (light, frame))| {
+        let (above, t) = cell((row as f64 + 0.5) / height as f64, evening.rows - 1);
+        let factors = lines.around(above, width, evening);
+        let above_white = decode_row::<C>(frame.as_chunks().0, &tables, factors, t, light);
         clipped.fetch_add(above_white, Ordering::Relaxed);
     });
     clipped.into_inner() as f64 / (3 * width * height) as f64
+}
+
+/// A row of pixels, `t` on the way from the upper factors to the lower ones. Returns how many samples take more than white.
+fn decode_row<const C: usize>(
+    frame: &[[u8; C]],
+    tables: &Light,
+    factors: [&[[f32; 4]]; 2],
+    t: f32,
+    light: &mut [[i16; 4]],
+) -> usize {
+    #[cfg(target_arch = "x86_64")]
+    if C == 4 && std::arch::is_x86_feature_detected!("avx2") {
+        let frame = frame.as_flattened().as_chunks().0;
+        // SAFETY: the processor has AVX2; the function asks for nothing else.
+        return unsafe { light_avx2::decode_row(frame, tables, factors, t, light) };
+    }
+    decode_row_plain(frame, tables, factors, t, light)
+}
+
+pub(super) fn decode_row_plain<const C: usize>(
+    frame: &[[u8; C]],
+    tables: &Light,
+    [above, below]: [&[[f32; 4]]; 2],
+    t: f32,
+    light: &mut [[i16; 4]],
+) -> usize {
+    let mut above_white = 0;
+    for (((light, pixel), a), b) in light.iter_mut().zip(frame).zip(above).zip(below) {
+        for c in 0..C {
+            let factor = a[c] + t * (b[c] - a[c]);
+            let value = tables[curve(c)][usize::from(pixel[c])] * factor;
+            let value = ((value + ROUNDING).to_bits() & 0x7fff) as i32;
+            above_white += usize::from((c < 3) & (value > MOST));
+            light[c] = value as i16;
+        }
+    }
+    above_white
 }
 
 /// The first of `width` pixels whose centre does not lie before a cell.

@@ -4,6 +4,8 @@
 
 use super::WarpError;
 use super::evened::HEADROOM;
+#[cfg(target_arch = "x86_64")]
+use super::light_avx2;
 use super::taps::{CubicTables, ONE, Plan, Tap, WEIGHT_BITS, unpack};
 use crate::media::brightness::{Evening, Overflow};
 use crate::media::srgb;
@@ -30,34 +32,77 @@ pub(super) static DECODE: LazyLock<[[i16; 256]; 2]> = LazyLock::new(|| {
     ]
 });
 
-/// Codes of 15-bit light, whose every value has a place.
-type Codes = [u8; WHITE as usize + 1];
+/// Values of 15-bit light, each of which has a place in a table of codes.
+const LEVELS: usize = WHITE as usize + 1;
 
-fn table(code: impl Fn(i32) -> u8) -> Arc<Codes> {
-    let mut table = Box::new([0; WHITE as usize + 1]);
-    table.iter_mut().zip(0..).for_each(|(entry, light)| *entry = code(light));
-    table.into()
+/// The codes of light in four channels. Channels that are alike share their table, so that it stays in the processor's first cache.
+#[derive(Clone, Debug)]
+pub(super) struct Codes {
+    /// The tables, and [`SLACK`](Self::SLACK) bytes more.
+    pub(super) bytes: Arc<[u8]>,
+    /// Where each channel's table begins.
+    pub(super) first: [usize; 4],
+}
+
+impl Codes {
+    /// Vectors of codes are read four bytes at a time.
+    pub(super) const SLACK: usize = 3;
+
+    /// `tables` are made once each; `of_channel` says which one a channel takes.
+    fn new(tables: &[&dyn Fn(i32) -> u8], of_channel: [usize; 4]) -> Self {
+        let values = || 0..=WHITE;
+        let mut bytes: Vec<u8> = tables.iter().flat_map(|code| values().map(code)).collect();
+        bytes.extend([0; Self::SLACK]);
+        Self { bytes: bytes.into(), first: of_channel.map(|table| table * LEVELS) }
+    }
+
+    /// The codes of a display's colours, each of which stands in one of the first three channels.
+    fn of_colours(
+        screen: &Screen,
+        colours: [usize; 3],
+        code: impl Fn(usize, i32) -> u8,
+        alpha: impl Fn(i32) -> u8,
+    ) -> Self {
+        let of = |c: usize| {
+            let code = &code;
+            move |value| code(c, value)
+        };
+        let [red, green, blue] = [of(0), of(1), of(2)];
+        if screen.is_plain() {
+            return Self::new(&[&red, &alpha], [0, 0, 0, 1]);
+        }
+        let [a, b, c] = colours;
+        Self::new(&[&red, &green, &blue, &alpha], [a, b, c, 3])
+    }
+
+    #[inline(always)]
+    pub(super) fn of(&self, channel: usize) -> &[u8] {
+        &self.bytes[self.first[channel]..][..LEVELS]
+    }
 }
 
 /// What a display is sent so that it emits light: the codes of its channels' light, and a gain that is divided out before.
 #[derive(Clone, Debug)]
 pub struct Drive {
-    pub(super) codes: [Arc<Codes>; 4],
+    pub(super) codes: Codes,
     /// Which colour, of red, green and blue, each of the first three channels is.
     colours: [usize; 3],
     evening: Option<Evening>,
 }
 
+/// Alpha is proportional.
+fn proportional(value: i32) -> u8 {
+    ((value * 255 + WHITE / 2) / WHITE) as u8
+}
+
 impl Default for Drive {
     /// sRGB codes of red, green, blue; alpha is proportional.
     fn default() -> Self {
-        static SRGB: LazyLock<Arc<Codes>> =
-            LazyLock::new(|| table(|light| srgb::encode_8(light as f32 / WHITE as f32)));
-        static PROPORTIONAL: LazyLock<Arc<Codes>> =
-            LazyLock::new(|| table(|light| ((light * 255 + WHITE / 2) / WHITE) as u8));
-        let [colour, alpha] = [&SRGB, &PROPORTIONAL].map(|table| Arc::clone(table));
-        let codes = [Arc::clone(&colour), Arc::clone(&colour), colour, alpha];
-        Self { codes, colours: [0, 1, 2], evening: None }
+        static PLAIN: LazyLock<Codes> = LazyLock::new(|| {
+            let colour = |value| srgb::encode_8(value as f32 / WHITE as f32);
+            Codes::new(&[&colour, &proportional], [0, 0, 0, 1])
+        });
+        Self { codes: PLAIN.clone(), colours: [0, 1, 2], evening: None }
     }
 }
 
@@ -65,33 +110,27 @@ impl Drive {
     /// A display's own codes, for frames whose first three channels are these colours (0 red, 1 green, 2 blue). Light below the
     /// display's black becomes code 0.
     pub fn of_screen(screen: &Screen, colours: [usize; 3]) -> Self {
-        let mut drive = Self { colours, ..Self::default() };
-        if !screen.is_plain() {
-            for (channel, c) in colours.into_iter().enumerate() {
-                drive.codes[channel] = table(|light| {
-                    let code = screen.code(c, f64::from(light) / f64::from(WHITE));
-                    (code * 255.0).round() as u8
-                });
-            }
+        if screen.is_plain() {
+            return Self { colours, ..Self::default() };
         }
-        drive
+        let code = |c: usize, value: i32| {
+            let code = screen.code(c, f64::from(value) / f64::from(WHITE));
+            (code * 255.0).round() as u8
+        };
+        let codes = Codes::of_colours(screen, colours, code, proportional);
+        Self { codes, colours, evening: None }
     }
 
     /// As [`of_screen`](Self::of_screen), for frames whose gain was divided out when they were decoded
     /// ([`LightFrame::decode_evened`]): what takes more than the display's white is treated as `overflow` says.
     pub fn of_evened(screen: &Screen, colours: [usize; 3], overflow: Overflow) -> Self {
         let unit = f64::from(WHITE) / f64::from(HEADROOM);
-        let light = |light: i32| f64::from(overflow.held((f64::from(light) / unit) as f32));
-        let codes = std::array::from_fn(|channel| {
-            table(|value| {
-                let code = match colours.get(channel) {
-                    Some(&c) => screen.code(c, light(value)),
-                    None => (f64::from(value) / unit).min(1.0),
-                };
-                (code * 255.0).round() as u8
-            })
-        });
-        Self { codes, colours, evening: None }
+        let code = |c: usize, value: i32| {
+            let light = overflow.held((f64::from(value) / unit) as f32);
+            (screen.code(c, f64::from(light)) * 255.0).round() as u8
+        };
+        let alpha = |value: i32| ((f64::from(value) / unit).min(1.0) * 255.0).round() as u8;
+        Self { codes: Codes::of_colours(screen, colours, code, alpha), colours, evening: None }
     }
 
     /// With a gain divided out, of as many pixels as the warp makes.
@@ -164,7 +203,12 @@ impl Run<'_> {
     pub(super) fn warp<const C: usize>(self, output: &mut [u8]) {
         #[cfg(target_arch = "x86_64")]
         if std::arch::is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor has AVX2; the function asks for nothing else.
+            let one_each = self.tables.is_none() && self.drive.evening.is_none();
+            if one_each && self.source[0] > 1 && self.source[1] > 1 {
+                // SAFETY: the processor has AVX2; the function asks for nothing else.
+                return unsafe { light_avx2::bilinear::<C>(&self, output) };
+            }
+            // SAFETY: as above.
             return unsafe { self.warp_avx2::<C>(output) };
         }
         match self.tables {
@@ -185,13 +229,13 @@ impl Run<'_> {
 
     /// Written without closures: they would not share their caller's instruction set.
     #[inline(always)]
-    fn warp_plain<const C: usize, const CUBIC: bool>(
+    pub(super) fn warp_plain<const C: usize, const CUBIC: bool>(
         &self,
         table_x: &[[i32; 2]],
         table_y: &[[i32; 2]],
         output: &mut [u8],
     ) {
-        let codes: [&Codes; 4] = std::array::from_fn(|c| &*self.drive.codes[c]);
+        let codes: [&[u8]; 4] = std::array::from_fn(|c| self.drive.codes.of(c));
         let (light, [width, height]) = (self.light, self.source);
         for (index, target) in self.pixels.clone().zip(output.as_chunks_mut::<C>().0) {
             let taps = self.plan.samples(index);
@@ -280,7 +324,7 @@ mod tests {
         for c in [0, 3] {
             for code in 0..256 {
                 let light = DECODE[curve(c)][code] as usize;
-                assert_eq!(usize::from(drive.codes[c][light]), code);
+                assert_eq!(usize::from(drive.codes.of(c)[light]), code);
             }
         }
     }

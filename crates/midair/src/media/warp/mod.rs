@@ -11,6 +11,8 @@ mod deep;
 mod device;
 mod evened;
 mod kernel;
+#[cfg(target_arch = "x86_64")]
+mod light_avx2;
 mod linear;
 mod rim;
 mod taps;

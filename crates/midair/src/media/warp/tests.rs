@@ -4,13 +4,13 @@ use crate::media::{Curve, Overflow, Picture, display_image, drive, even_out, srg
 use crate::optics::screen::{Response, Screen};
 use proptest::prelude::*;
 
-fn noise(width: usize, height: usize, channels: usize) -> Vec<u8> {
+pub(super) fn noise(width: usize, height: usize, channels: usize) -> Vec<u8> {
     (0..(width * height * channels) as u32)
         .map(|i| (i.wrapping_mul(2_654_435_761) ^ (i >> 3)).wrapping_mul(40_503).to_be_bytes()[0])
         .collect()
 }
 
-fn bent_map(width: usize, height: usize) -> Map {
+pub(super) fn bent_map(width: usize, height: usize) -> Map {
     let mut map = Map::identity(width, height);
     for i in 0..map.uv.len() {
         let [s, t] = map.uv[i];

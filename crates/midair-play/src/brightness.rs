@@ -1,0 +1,179 @@
+//! The gain that frames have divided out, kept near the viewer's.
+
+use crate::solver::{COLOURS, LIVE_TOLERANCE};
+use midair::geometry::Vec3;
+use midair::map::{Accuracy, ImageGain, invert};
+use midair::media::{Evening, FrameEvening, Overflow};
+use midair::scene::Loaded;
+use midair::simulate::{ImageGainWork, Plate, gain};
+use midair::transport::Setup;
+use std::sync::Arc;
+
+/// What is divided out of frames. The gain is smooth where the map is, and changes less from eye to eye: while the viewer moves,
+/// maps are shown with the gain of a moment ago, and the viewer's own is worked out in the time between them.
+pub(crate) struct Brightness {
+    plate: Plate,
+    /// How bright white is, over the display's: what the scene's own viewpoint allows. It stays while the viewer moves, for a picture whose
+    /// brightness goes with the viewer's head is worse than one that clips at its most demanding pixels from aside.
+    level: f64,
+    /// The last gain, and the eye that it is for.
+    last: Option<(Vec3, Arc<FrameEvening>)>,
+    /// One that is being worked out, and its eye.
+    work: Option<(Vec3, ImageGainWork)>,
+}
+
+/// The last gain is not shown to an eye that is further than this from its own, mm: then the map waits for a new one. A head of 300 mm/s
+/// goes that far in two packets of a tracker that sends 60 a second. On the paper's set-ups a gain from so far aside is
+/// within a hundredth of the eye's own nearly everywhere (a test holds it to that), which is one code of 255.
+const FAR: f64 = 10.0;
+
+/// A gain from as near as this, mm, is as good as the eye's own: it is within a thousandth of it nearly everywhere, which is what a gain
+/// is known to between the nodes of its grid.
+const SAME: f64 = 0.5;
+
+/// Rows of the gain's grid that are worked out before somebody looks whether there is something more urgent: well below a millisecond.
+const ROWS: usize = 16;
+
+/// Columns of the display that the level is found with: it is the gain of the most demanding pixel or tenth of the pixels, and
+/// gains change little between pixels.
+const LEVEL_COLUMNS: usize = 320;
+
+impl Brightness {
+    pub fn new(
+        loaded: &Loaded,
+        setup: &Setup,
+        [width, height]: [usize; 2],
+        overflow: Overflow,
+    ) -> Result<Self, String> {
+        let plate = Plate::of_scene(loaded, setup).map_err(|error| error.to_string())?;
+        let columns = width.min(LEVEL_COLUMNS);
+        let rows = (height * columns / width.max(1)).max(1);
+        let small = Setup { resolution: [columns, rows], ..setup.clone() };
+        let (map, _) = invert(&small, Accuracy { tolerance: LIVE_TOLERANCE });
+        let level = Evening::for_white(&gain(&small, &plate, &map), overflow).level();
+        Ok(Self { plate, level, last: None, work: None })
+    }
+
+    /// The gain to show a map with at once: the last one, unless it is for an eye far away.
+    pub fn at_hand(&mut self, setup: &Setup) -> Arc<FrameEvening> {
+        loop {
+            if let Some(evening) = self.near(FAR, setup.viewpoint) {
+                return evening;
+            }
+            self.work.take_if(|(eye, _)| *eye != setup.viewpoint);
+            self.work_out(setup, usize::MAX);
+        }
+    }
+
+    /// Goes on a little with the gain of where the viewer is. It, once it is known.
+    pub fn go_on(&mut self, setup: &Setup) -> Option<Arc<FrameEvening>> {
+        let known = self.near(SAME, setup.viewpoint);
+        if known.is_none() {
+            self.work_out(setup, ROWS);
+        }
+        known
+    }
+
+    fn near(&self, distance: f64, eye: Vec3) -> Option<Arc<FrameEvening>> {
+        let (of, evening) = self.last.as_ref()?;
+        ((*of - eye).length() <= distance).then(|| Arc::clone(evening))
+    }
+
+    /// Works on. What was begun for an earlier eye is brought to its end, else a viewer who never rests would never get a newer gain.
+    fn work_out(&mut self, setup: &Setup, rows: usize) {
+        let begin = || (setup.viewpoint, ImageGainWork::new(setup.clone()));
+        let (eye, work) = self.work.get_or_insert_with(begin);
+        if let Some(gain) = work.go_on(&self.plate, rows) {
+            self.last = Some((*eye, Arc::new(evening(&gain, self.level))));
+            self.work = None;
+        }
+    }
+}
+
+fn evening(gain: &ImageGain, level: f64) -> FrameEvening {
+    FrameEvening::new(gain, level, COLOURS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use midair::simulate::image_gain;
+
+    fn set_up(name: &str) -> (Loaded, Setup) {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+        let file = format!("../../scenes/paper/{name}.toml");
+        let loaded = midair::scene::load(&root.join(file)).unwrap();
+        let setup = Setup::new(&loaded).unwrap();
+        (loaded, setup)
+    }
+
+    /// How many of ten thousand image points are further off than such a share of the gain if it is for an eye so far aside, and how many have a gain.
+    fn off(name: &str, aside: f64, share: f32) -> (usize, usize) {
+        let (_, mut setup) = set_up(name);
+        let here = image_gain(&setup, &Plate::Ideal);
+        setup.viewpoint = setup.viewpoint + Vec3::new(aside, 0.0, 0.0);
+        let there = image_gain(&setup, &Plate::Ideal);
+        let both: Vec<(f32, f32)> = (0..10_000)
+            .map(|i| [i % 100, i / 100].map(|i| (f64::from(i) + 0.5) / 100.0))
+            .map(|uv| (here.at(uv)[0], there.at(uv)[0]))
+            .filter(|(a, b)| a.is_finite() && b.is_finite())
+            .collect();
+        (both.iter().filter(|(a, b)| (a - b).abs() > share * a).count(), both.len())
+    }
+
+    #[test]
+    fn a_gain_serves_eyes_nearby() {
+        for name in ["sphere", "cube", "cylinder", "bent-mirror-convex"] {
+            // The share moves a code of 255 by its 2.4th part: the furthest gain that is shown by one code, and the one that is
+            // taken for the viewer's own by a tenth.
+            for (aside, share) in [(FAR, 0.01), (SAME, 0.001)] {
+                let (far, all) = off(name, aside, share);
+                println!("{name}, {aside} mm: {far} of {all}");
+                // Along the edges of what is formed the gain falls steeply.
+                assert!(all > 3000 && far * 50 < all, "{name}, {aside} mm: {far} of {all}");
+            }
+        }
+    }
+
+    /// The evening of a gain that was worked out in one go.
+    fn exact(brightness: &Brightness, setup: &Setup) -> FrameEvening {
+        evening(&image_gain(setup, &brightness.plate), brightness.level)
+    }
+
+    #[test]
+    fn a_moving_eye_is_served_from_nearby_and_a_resting_one_by_its_own() {
+        let (loaded, mut setup) = set_up("sphere");
+        let start = setup.viewpoint;
+        let mut to = |x: f64| {
+            setup.viewpoint = start + Vec3::new(x, 0.0, 0.0);
+            setup.clone()
+        };
+        let mut kept = Brightness::new(&loaded, &to(0.0), [64, 64], Overflow::Fit).unwrap();
+        let first = kept.at_hand(&to(0.0));
+        assert_eq!(*first, exact(&kept, &to(0.0)));
+        // Nearby, the last; there is something to work on.
+        assert!(Arc::ptr_eq(&kept.at_hand(&to(0.9 * FAR)), &first));
+        assert!(kept.go_on(&to(0.9 * FAR)).is_none());
+        // The viewer moves on meanwhile: the gain that was begun is finished, and then the viewer's own.
+        let mut steps = 0;
+        let own = loop {
+            steps += 1;
+            if let Some(own) = kept.go_on(&to(0.9 * FAR + 0.6 * SAME)) {
+                break own;
+            }
+        };
+        assert_eq!(*own, exact(&kept, &to(0.9 * FAR)));
+        // 65 rows, 16 at a time, after the first.
+        assert_eq!(steps, 5);
+        let own = loop {
+            if let Some(own) = kept.go_on(&to(0.9 * FAR + 1.1 * SAME)) {
+                break own;
+            }
+        };
+        assert_eq!(*own, exact(&kept, &to(0.9 * FAR + 1.1 * SAME)));
+        assert!(Arc::ptr_eq(&kept.at_hand(&to(0.9 * FAR)), &own));
+        // Far away, the eye's own at once, whatever was begun.
+        assert!(kept.go_on(&to(0.0)).is_none());
+        assert_eq!(*kept.at_hand(&to(-1.1 * FAR)), exact(&kept, &to(-1.1 * FAR)));
+    }
+}
