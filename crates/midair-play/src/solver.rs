@@ -302,14 +302,14 @@ mod tests {
             solved.evening.unwrap()
         };
         let first = map(0.0);
-        let moved = map(8.0);
+        let moved = map(4.0);
         assert!(Arc::ptr_eq(&moved, &first));
         jobs.offer(Job::Gain);
         let own = gains.recv_timeout(Duration::from_secs(60)).unwrap();
-        assert_eq!(own.viewpoint, eye + Vec3::new(8.0, 0.0, 0.0));
+        assert_eq!(own.viewpoint, eye + Vec3::new(4.0, 0.0, 0.0));
         assert!(own.evening != first);
         // The next map has it, and nothing is left to be settled.
-        assert!(Arc::ptr_eq(&map(8.0), &own.evening));
+        assert!(Arc::ptr_eq(&map(4.0), &own.evening));
         jobs.offer(Job::Gain);
         assert!(gains.recv_timeout(8 * REST).is_err());
         jobs.close();

@@ -193,3 +193,36 @@ pub fn faded_view(
         .collect();
     Picture { width, height, pixels }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::transport::bench_setup::{ACRYLIC, element, setup, sphere};
+
+    #[test]
+    fn a_few_rows_at_a_time_the_gain_is_the_same() {
+        // Smooth all over, which the coarse grid is enough for; and cut by the ball's outline, which takes the finer one too.
+        for (image, cells) in [(20.0, COARSE), (60.0, COARSE * FINER)] {
+            let setup = setup(image, vec![element(sphere(25.0), ACRYLIC, [0.0; 3], [0.0; 3], 0)]);
+            let bits = |gain: &ImageGain| -> Vec<[u32; 3]> {
+                gain.nodes.rgb.iter().map(|rgb| rgb.map(f32::to_bits)).collect()
+            };
+            let whole = image_gain(&setup, &Plate::Ideal);
+            assert_eq!((whole.nodes.width, whole.nodes.height), (cells + 1, cells + 1));
+            let mut work = ImageGainWork::new(setup);
+            // Once more from the beginning.
+            for _ in 0..2 {
+                let mut steps = 1;
+                let gain = loop {
+                    if let Some(gain) = work.go_on(&Plate::Ideal, 10) {
+                        break gain;
+                    }
+                    steps += 1;
+                };
+                let fine = if cells > COARSE { (cells + 1).div_ceil(10) } else { 0 };
+                assert_eq!(steps, (COARSE + 1).div_ceil(10) + fine);
+                assert!(bits(&gain) == bits(&whole));
+            }
+        }
+    }
+}
