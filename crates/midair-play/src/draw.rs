@@ -70,15 +70,11 @@ impl Show {
             return;
         }
         let started = Instant::now();
-        let light = match (&map.evening, &self.evened, &self.drive) {
-            (Some(evening), Some(drive), _) => {
-                self.light.of(&frame, Some(evening)).map(|light| Some((light, drive)))
-            }
-            (.., Some(drive)) => self.light.of(&frame, None).map(|light| Some((light, drive))),
-            _ => Ok(None),
-        };
-        let Ok(light) = light else { return };
-        let picture = Picture { frame: &frame, map, light, lines: &lines };
+        let evened = map.evening.as_ref().zip(self.evened.as_ref());
+        let (evening, drive) =
+            evened.map_or((None, &self.drive), |(evening, drive)| (Some(evening), drive));
+        let Ok(light) = self.light.of(&frame, evening) else { return };
+        let picture = Picture { frame: &frame, map, light, drive, lines: &lines };
         let drawn = match screen.presenter.show(size.into(), &picture) {
             Ok(Some(drawn)) => drawn,
             Ok(None) => return,

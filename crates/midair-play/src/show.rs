@@ -117,7 +117,7 @@ pub fn run(loaded: Loaded, options: Options) -> Result<Outcome, PlayError> {
         stale: false,
         gain_due: false,
         map: None,
-        drive: (!loaded.screen.is_plain()).then(|| Drive::of_screen(&loaded.screen, COLOURS)),
+        drive: Drive::of_screen(&loaded.screen, COLOURS),
         evened: options.gain.map(|overflow| Drive::of_evened(&loaded.screen, COLOURS, overflow)),
         options,
         light: Lit::default(),
@@ -168,9 +168,8 @@ pub(crate) struct Show {
     /// Whether there is a map whose gain the solver may go on with.
     gain_due: bool,
     pub map: Option<Solved>,
-    /// The codes of a display with a response of its own, blue first. For a plain one codes are interpolated as they are: through
-    /// light it takes four times as long.
-    pub drive: Option<Drive>,
+    /// The display's codes, blue first.
+    pub drive: Drive,
     /// The codes for frames whose gain was divided out.
     pub evened: Option<Drive>,
     /// The frame's light, for these two.

@@ -3,7 +3,9 @@
 use super::{BALL, Bench, set_up, waves};
 use midair::geometry::Vec3;
 use midair::map::{Accuracy, Gain, Map, invert, with_rim};
-use midair::media::{Depth, Evening, Filter, Overflow, Warp, read_still, srgb, write_still};
+use midair::media::{
+    Depth, Drive, Evening, Filter, LightFrame, Overflow, Warp, read_still, srgb, write_still,
+};
 use midair::scene::load;
 use midair::simulate::{Plate, image_gain};
 use midair::transport::Setup;
@@ -217,8 +219,9 @@ impl Stage {
 
     fn through(&self, map: &Map) -> Vec<u8> {
         let warp = Warp::new(map, [200, 160], Filter::Bilinear).unwrap();
-        let mut shown = vec![0; SIDE * SIDE * 3];
-        warp.apply(&self.picture, 3, &mut shown).unwrap();
+        let (mut light, mut shown) = (LightFrame::default(), vec![0; SIDE * SIDE * 3]);
+        light.decode(&self.picture, 3).unwrap();
+        warp.apply_light(&light, 3, &Drive::default(), &mut shown).unwrap();
         shown
     }
 }

@@ -17,8 +17,9 @@ use winit::window::Window;
 pub(crate) struct Picture<'a> {
     pub frame: &'a Frame,
     pub map: &'a Solved,
-    /// The frame's light and the display's codes for it; else the frame's codes are interpolated as they are.
-    pub light: Option<(&'a LightFrame, &'a Drive)>,
+    /// The frame's light, and the display's codes for it.
+    pub light: &'a LightFrame,
+    pub drive: &'a Drive,
     /// Text over it.
     pub lines: &'a [String],
 }

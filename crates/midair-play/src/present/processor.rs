@@ -39,11 +39,7 @@ impl Presenter for Processor {
         let pixels: &mut [u32] = &mut buffer;
         // Frames are blue, green, red, nothing: on a little-endian machine the buffer's own form.
         let bytes = bytemuck::cast_slice_mut(pixels);
-        let warped = match picture.light {
-            Some((light, drive)) => picture.map.warp.apply_light(light, 4, drive, bytes),
-            None => picture.map.warp.apply(&picture.frame.bytes, 4, bytes),
-        };
-        if warped.is_err() {
+        if picture.map.warp.apply_light(picture.light, 4, picture.drive, bytes).is_err() {
             return Ok(None);
         }
         if cfg!(target_endian = "big") {

@@ -9,7 +9,7 @@ use crate::letters::{extent, overlay};
 use midair::media::FrameEvening;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
-use warper::{Samples, Warper};
+use warper::Warper;
 use wgpu::{CurrentSurfaceTexture, DeviceType, PresentMode, TextureFormat};
 use winit::window::Window;
 
@@ -61,7 +61,7 @@ impl Device {
 }
 
 /// What was uploaded last: frames and gains are known by the memory that they are in.
-type Uploaded = (Arc<Vec<u8>>, Option<Arc<FrameEvening>>, bool);
+type Uploaded = (Arc<Vec<u8>>, Option<Arc<FrameEvening>>);
 
 /// A window's surface and the device that draws it.
 pub(super) struct Graphics {
@@ -163,22 +163,16 @@ impl Graphics {
             self.map = Some(picture.map.number);
         }
         let evening = picture.map.evening.as_ref();
-        let known = self.uploaded.as_ref().is_some_and(|(bytes, of, light)| {
+        let known = self.uploaded.as_ref().is_some_and(|(bytes, of)| {
             Arc::ptr_eq(bytes, &frame.bytes)
-                && *light == picture.light.is_some()
                 && match (of, evening) {
                     (Some(a), Some(b)) => Arc::ptr_eq(a, b),
                     (a, b) => a.is_none() && b.is_none(),
                 }
         });
         if !known {
-            let samples = match picture.light {
-                Some((light, drive)) => Samples::Light(light, drive),
-                None => Samples::Codes(&frame.bytes),
-            };
-            self.warper.take_frame(&self.device, &samples);
-            let evening = evening.map(Arc::clone);
-            self.uploaded = Some((Arc::clone(&frame.bytes), evening, picture.light.is_some()));
+            self.warper.take_frame(&self.device, picture.light, picture.drive);
+            self.uploaded = Some((Arc::clone(&frame.bytes), evening.map(Arc::clone)));
         }
         true
     }

@@ -17,11 +17,11 @@ struct Sizes {
 @group(0) @binding(0) var<uniform> sizes: Sizes;
 // For each display pixel: the first of 2 x 2 source pixels, and the fractions x and y of 16 bits.
 @group(0) @binding(1) var<storage, read> taps: array<vec2<u32>>;
-// Codes: a word a pixel, blue in its lowest byte, then green and red. Light: two words, blue and green, red and what is unused.
+// Light: two words a pixel, blue in the lower half of the first and green in its upper one, then red.
 @group(0) @binding(2) var<storage, read> frame: array<u32>;
 // A byte for each value of light from 0 to WHITE, channel after channel.
 @group(0) @binding(3) var<storage, read> drive: array<u32>;
-// Text, words as codes have them; 0 lets the picture through.
+// Text: blue in a word's lowest byte, then green and red; 0 lets the picture through.
 @group(0) @binding(4) var<storage, read> letters: array<u32>;
 
 @vertex
@@ -35,11 +35,8 @@ fn red_green_blue(word: u32) -> vec3<u32> {
     return (vec3<u32>(word) >> vec3<u32>(16u, 8u, 0u)) & vec3<u32>(255u);
 }
 
-fn codes_at(pixel: u32) -> vec3<i32> {
-    return vec3<i32>(red_green_blue(frame[pixel]));
-}
-
-fn light_at(pixel: u32) -> vec3<i32> {
+// Red, green and blue of a source pixel.
+fn source_at(pixel: u32) -> vec3<i32> {
     let near = frame[2u * pixel];
     let far = frame[2u * pixel + 1u];
     return vec3<i32>(vec3<u32>(far & 0xffffu, near >> 16u, near & 0xffffu));
@@ -50,7 +47,8 @@ fn steps() -> vec2<u32> {
     return vec2<u32>(min(1u, sizes.source.x - 1u), select(0u, sizes.source.x, sizes.source.y > 1u));
 }
 
-fn mixed(a: vec3<i32>, b: vec3<i32>, c: vec3<i32>, d: vec3<i32>, ways: u32, before: i32) -> vec3<i32> {
+fn mixed(a: vec3<i32>, b: vec3<i32>, c: vec3<i32>, d: vec3<i32>, ways: u32) -> vec3<i32> {
+    let before = 1i << (DROP - 1u);
     let one = 1i << WEIGHT_BITS;
     let x = i32(ways & 0xffffu);
     let y = i32(ways >> 16u);
@@ -78,7 +76,7 @@ fn letter(pixel: vec2<u32>) -> u32 {
 }
 
 @fragment
-fn codes(@builtin(position) place: vec4<f32>) -> @location(0) vec4<f32> {
+fn picture(@builtin(position) place: vec4<f32>) -> @location(0) vec4<f32> {
     let pixel = vec2<u32>(place.xy);
     let text = letter(pixel);
     if text != 0u {
@@ -86,29 +84,11 @@ fn codes(@builtin(position) place: vec4<f32>) -> @location(0) vec4<f32> {
     }
     let tap = taps[pixel.y * sizes.display.x + pixel.x];
     if tap.x == NO_TAP {
-        return vec4<f32>(0.0, 0.0, 0.0, 1.0);
+        return shown(vec3<u32>(0u));
     }
     let step = steps();
     let below = tap.x + step.y;
-    let sum = mixed(codes_at(tap.x), codes_at(tap.x + step.x), codes_at(below), codes_at(below + step.x), tap.y, 0);
-    return shown(vec3<u32>(sum));
-}
-
-@fragment
-fn light(@builtin(position) place: vec4<f32>) -> @location(0) vec4<f32> {
-    let pixel = vec2<u32>(place.xy);
-    let text = letter(pixel);
-    if text != 0u {
-        return shown(red_green_blue(text));
-    }
-    let tap = taps[pixel.y * sizes.display.x + pixel.x];
-    if tap.x == NO_TAP {
-        return vec4<f32>(0.0, 0.0, 0.0, 1.0);
-    }
-    let step = steps();
-    let below = tap.x + step.y;
-    let half = 1i << (DROP - 1u);
-    let sum = mixed(light_at(tap.x), light_at(tap.x + step.x), light_at(below), light_at(below + step.x), tap.y, half);
+    let sum = mixed(source_at(tap.x), source_at(tap.x + step.x), source_at(below), source_at(below + step.x), tap.y);
     // The frame's channels are blue, green, red.
     return shown(vec3<u32>(display_code(sum.x, 2u), display_code(sum.y, 1u), display_code(sum.z, 0u)));
 }

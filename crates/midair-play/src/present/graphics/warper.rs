@@ -4,25 +4,15 @@ use super::Device;
 use midair::media::{Drive, FixedPoint, LightFrame, NO_TAP, Warp};
 use wgpu::{BindingType, BufferBindingType, BufferUsages, ShaderStages};
 
-/// What a frame's pixels are.
-pub(super) enum Samples<'a> {
-    /// Blue, green, red and one unused byte, to be interpolated as they are.
-    Codes(&'a [u8]),
-    /// Light, and the display's codes for it.
-    Light(&'a LightFrame, &'a Drive),
-}
-
-/// Two pipelines and what they read.
+/// A pipeline and what it reads.
 pub(super) struct Warper {
-    codes: wgpu::RenderPipeline,
-    light: wgpu::RenderPipeline,
+    pipeline: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,
     /// In the order of their bindings: sizes, taps, frame, drive, letters.
     buffers: [wgpu::Buffer; 5],
     group: Option<wgpu::BindGroup>,
     /// Columns and rows of the display, the source and the text, as the shader has them.
     sizes: [[u32; 2]; 3],
-    in_light: bool,
     /// The taps' memory on the processor's side.
     taps: Vec<[u32; 2]>,
 }
@@ -62,49 +52,38 @@ impl Warper {
             bind_group_layouts: &[Some(&layout)],
             immediate_size: 0,
         });
-        let pipeline = |entry: &str, arithmetic: FixedPoint| {
-            let constants = [
-                ("WEIGHT_BITS", f64::from(arithmetic.weight_bits)),
-                ("DROP", f64::from(arithmetic.drop)),
-                ("LAST", f64::from(arithmetic.last)),
-                ("WHITE", f64::from(Drive::WHITE)),
-                ("NO_TAP", f64::from(NO_TAP)),
-            ];
-            let options =
-                wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
-            device.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some(entry),
-                layout: Some(&pipelines),
-                vertex: wgpu::VertexState {
-                    module: &shader,
-                    entry_point: Some("corner"),
-                    compilation_options: Default::default(),
-                    buffers: &[],
-                },
-                primitive: Default::default(),
-                depth_stencil: None,
-                multisample: Default::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module: &shader,
-                    entry_point: Some(entry),
-                    compilation_options: options,
-                    targets: &[Some(format.into())],
-                }),
-                multiview_mask: None,
-                cache: None,
-            })
-        };
+        let constants = [
+            ("WEIGHT_BITS", f64::from(FixedPoint::LIGHT.weight_bits)),
+            ("DROP", f64::from(FixedPoint::LIGHT.drop)),
+            ("LAST", f64::from(FixedPoint::LIGHT.last)),
+            ("WHITE", f64::from(Drive::WHITE)),
+            ("NO_TAP", f64::from(NO_TAP)),
+        ];
+        let options =
+            wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
+        let pipeline = device.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("warp"),
+            layout: Some(&pipelines),
+            vertex: wgpu::VertexState {
+                module: &shader,
+                entry_point: Some("corner"),
+                compilation_options: Default::default(),
+                buffers: &[],
+            },
+            primitive: Default::default(),
+            depth_stencil: None,
+            multisample: Default::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &shader,
+                entry_point: Some("picture"),
+                compilation_options: options,
+                targets: &[Some(format.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
         let buffers = std::array::from_fn(|binding| buffer(device, binding, 32));
-        Self {
-            codes: pipeline("codes", FixedPoint::CODES),
-            light: pipeline("light", FixedPoint::LIGHT),
-            layout,
-            buffers,
-            group: None,
-            sizes: [[0; 2]; 3],
-            in_light: false,
-            taps: Vec::new(),
-        }
+        Self { pipeline, layout, buffers, group: None, sizes: [[0; 2]; 3], taps: Vec::new() }
     }
 
     /// Takes the taps of a map for frames of `source` pixels. False if the warp is not bilinear.
@@ -119,17 +98,11 @@ impl Warper {
         known.is_some()
     }
 
-    /// Takes the frame that is shown until another one is.
-    pub fn take_frame(&mut self, device: &Device, samples: &Samples) {
-        self.in_light = matches!(samples, Samples::Light(..));
-        match samples {
-            Samples::Codes(bytes) => self.write(device, FRAME, bytes),
-            Samples::Light(light, drive) => {
-                self.write(device, FRAME, bytemuck::cast_slice(light.values()));
-                let codes: Vec<u8> = (0..3).flat_map(|c| drive.codes(c)).copied().collect();
-                self.write(device, DRIVE, &codes);
-            }
-        }
+    /// Takes the frame that is shown until another one is, and the display's codes for its light.
+    pub fn take_frame(&mut self, device: &Device, light: &LightFrame, drive: &Drive) {
+        self.write(device, FRAME, bytemuck::cast_slice(light.values()));
+        let codes: Vec<u8> = (0..3).flat_map(|c| drive.codes(c)).copied().collect();
+        self.write(device, DRIVE, &codes);
     }
 
     /// Takes the text at the upper left: words as frames have them, 0 where the picture is to be seen.
@@ -180,7 +153,7 @@ impl Warper {
             })],
             ..Default::default()
         });
-        pass.set_pipeline(if self.in_light { &self.light } else { &self.codes });
+        pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &*group, &[]);
         pass.draw(0..3, 0..1);
         drop(pass);

@@ -1,6 +1,5 @@
 //! What a graphics device needs to warp as the processor does: the same integers, so that both show the same codes.
 
-use super::kernel::{BILINEAR_DROP, BILINEAR_LAST};
 use super::linear::{DROP, LAST, WHITE};
 use super::taps::WEIGHT_BITS;
 use super::{Drive, LightFrame, Warp};
@@ -9,10 +8,11 @@ use rayon::prelude::*;
 /// The first word of a pixel without an answer, in [`Warp::bilinear_taps`]; no source has that many pixels.
 pub const NO_TAP: u32 = u32::MAX;
 
-/// The fixed-point arithmetic of bilinear warps. A sample is, in 32-bit integers with `one = 1 << weight_bits` and the tap's fractions x, y,
+/// The fixed-point arithmetic of bilinear warps of light ([`Warp::apply_light`]). A sample is, in 32-bit integers with
+/// `one = 1 << weight_bits` and the tap's fractions x, y,
 ///
 /// ```text
-/// across(a, b) = (a * (one - x) + b * x + before) >> drop        before: 0 for codes, 1 << (drop - 1) for light
+/// across(a, b) = (a * (one - x) + b * x + (1 << (drop - 1))) >> drop
 /// (across(upper) * (one - y) + across(lower) * y + (1 << (last - 1))) >> last
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,10 +26,7 @@ pub struct FixedPoint {
 }
 
 impl FixedPoint {
-    /// For frames of codes ([`Warp::apply`]).
-    pub const CODES: Self =
-        Self { weight_bits: WEIGHT_BITS, drop: BILINEAR_DROP, last: BILINEAR_LAST };
-    /// For frames of light ([`Warp::apply_light`]).
+    /// What is used.
     pub const LIGHT: Self = Self { weight_bits: WEIGHT_BITS, drop: DROP, last: LAST };
 }
 
@@ -96,8 +93,10 @@ mod tests {
         let frame: Vec<u8> = (0..37 * 29 * 4).map(|i| (i * 97 % 251) as u8).collect();
         let warp = Warp::new(&map, source, Filter::Bilinear).unwrap();
         let (mut taps, mut shown) = (vec![[1, 1]; 5], vec![0; 61 * 40 * 4]);
-        warp.apply(&frame, 4, &mut shown).unwrap();
-        let FixedPoint { weight_bits, drop, last } = FixedPoint::CODES;
+        let (mut light, drive) = (LightFrame::default(), Drive::default());
+        light.decode(&frame, 4).unwrap();
+        warp.apply_light(&light, 4, &drive, &mut shown).unwrap();
+        let FixedPoint { weight_bits, drop, last } = FixedPoint::LIGHT;
         let one = 1 << weight_bits;
         let taps = warp.bilinear_taps(&mut taps).unwrap();
         assert_eq!(taps.len(), 61 * 40);
@@ -108,13 +107,15 @@ mod tests {
                     0
                 } else {
                     let (x, y) = ((ways & 0xffff) as i32, (ways >> 16) as i32);
-                    let at = |by: usize| i32::from(frame[(pixel as usize + by) * 4 + c]);
+                    let at = |by: usize| i32::from(light.values()[pixel as usize + by][c]);
                     let across = |row: usize| {
-                        (at(row * source[0]) * (one - x) + at(row * source[0] + 1) * x) >> drop
+                        let sum = at(row * source[0]) * (one - x) + at(row * source[0] + 1) * x;
+                        (sum + (1 << (drop - 1))) >> drop
                     };
-                    (across(0) * (one - y) + across(1) * y + (1 << (last - 1))) >> last
+                    let sum = across(0) * (one - y) + across(1) * y + (1 << (last - 1));
+                    drive.codes(c)[(sum >> last) as usize]
                 };
-                assert_eq!(i32::from(shown[i * 4 + c]), expected, "pixel {i}");
+                assert_eq!(shown[i * 4 + c], expected, "pixel {i}");
             }
         }
         let sharp = Warp::new(&map, source, Filter::Sharp).unwrap();
