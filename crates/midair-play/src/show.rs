@@ -263,7 +263,7 @@ impl ApplicationHandler<Event> for Show {
         }
     }
 
-    fn about_to_wait(&mut self, _: &ActiveEventLoop) {
+    fn about_to_wait(&mut self, events: &ActiveEventLoop) {
         if std::mem::take(&mut self.stale) {
             self.draw();
         }
@@ -271,12 +271,23 @@ impl ApplicationHandler<Event> for Show {
         if std::mem::take(&mut self.gain_due) {
             self.requests.offer(Job::Gain);
         }
+        // A trial begins when the first picture has been drawn.
+        if self.departures.is_none()
+            && self.map.is_some()
+            && let (Some(trial), Some(port)) = (self.options.trial, self.port)
+        {
+            let end = self.proxy.clone();
+            let done = move || drop(end.send_event(Event::End));
+            match send(trial, port, self.loaded.scene.viewpoint, done) {
+                Ok(departures) => self.departures = Some(departures),
+                Err(source) => self.fail(PlayError::Port { port, source }, events),
+            }
+        }
     }
 
     fn user_event(&mut self, events: &ActiveEventLoop, event: Event) {
         match event {
             Event::Map => {
-                let first = self.map.is_none();
                 if let Some(solved) = self.solved.take()
                     && let Some(before) = self.map.replace(solved)
                 {
@@ -284,15 +295,6 @@ impl ApplicationHandler<Event> for Show {
                 }
                 self.stale = true;
                 self.gain_due = self.options.gain.is_some();
-                // A trial begins when the show does.
-                if first && let (Some(trial), Some(port)) = (self.options.trial, self.port) {
-                    let end = self.proxy.clone();
-                    let done = move || drop(end.send_event(Event::End));
-                    match send(trial, port, self.loaded.scene.viewpoint, done) {
-                        Ok(departures) => self.departures = Some(departures),
-                        Err(source) => self.fail(PlayError::Port { port, source }, events),
-                    }
-                }
             }
             Event::Settled(Settled { viewpoint, evening }) => {
                 // A newer map has its own.

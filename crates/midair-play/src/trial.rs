@@ -53,8 +53,12 @@ impl Departures {
     }
 }
 
-/// Sends the packets of a head that sways: real UDP packets in opentrack's form, their number in the place of the yaw. `done` is called
-/// a second after the last.
+/// From the first picture to the first packet: until then memory is touched for the first time and the window system gets ready, which
+/// no viewer sees who comes to a running show.
+const SETTLING: Duration = Duration::from_millis(500);
+
+/// Sends the packets of a head that sways, half a second from now: real UDP packets in opentrack's form, their number in the place of
+/// the yaw. `done` is called a second after the last.
 pub(crate) fn send(
     trial: Trial,
     port: u16,
@@ -65,6 +69,7 @@ pub(crate) fn send(
     let departures = Departures::default();
     let log = departures.clone();
     std::thread::spawn(move || {
+        std::thread::sleep(SETTLING);
         let start = Instant::now();
         for number in 0..trial.packets {
             let due = Duration::from_secs_f64(number as f64 / trial.rate);
