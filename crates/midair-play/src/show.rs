@@ -4,13 +4,13 @@ use crate::draw::Screen;
 use crate::lit::Lit;
 use crate::nudge::Target;
 use crate::options::{Options, PlayError};
-use crate::solver::{self, COLOURS, Job, Newest, Request, Settled, Solved};
+use crate::solver::{self, COLOURS, Job, Newest, Request, Settled, Solved, Spent};
 use crate::source::{Frame, Player};
 use crate::steady::Steady;
 use crate::tracker::{Calibration, Protocol, Reading, listen};
 use crate::trial::{Departures, Latency, Stages, latency, send};
 use midair::geometry::Vec3;
-use midair::media::{Drive, Warp};
+use midair::media::Drive;
 use midair::scene::Loaded;
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -60,7 +60,7 @@ pub fn run(loaded: Loaded, options: Options) -> Result<Outcome, PlayError> {
         move |event| drop(proxy.send_event(event))
     };
     let (requests, solved, spent) =
-        (Arc::new(Newest::new()), Arc::new(Newest::new()), Arc::new(Newest::new()));
+        (Arc::new(Newest::new()), Arc::new(Newest::new()), Arc::new(Spent::default()));
     let (ready, settled, refused) = (tell(&proxy), tell(&proxy), tell(&proxy));
     solver::start(
         Arc::clone(&requests),
@@ -159,7 +159,7 @@ pub(crate) struct Show {
     requests: Arc<Newest<Job>>,
     solved: Arc<Newest<Solved>>,
     /// Warps that were shown, for the solver to use their memory again.
-    spent: Arc<Newest<Warp>>,
+    spent: Arc<Spent>,
     pub frames: Arc<Newest<Frame>>,
     pub paused: Arc<AtomicBool>,
     pub screen: Option<Screen>,

@@ -130,6 +130,26 @@ impl<T> Newest<T> {
     }
 }
 
+/// Memory of warps that are no longer shown, for others to use: touched for the first time it takes longer than all the rest of a map.
+#[derive(Debug, Default)]
+pub(crate) struct Spent(Mutex<Vec<Warp>>);
+
+/// One is shown, one waits to be, one is made: no more than two are ever left over at once.
+const SPARE: usize = 2;
+
+impl Spent {
+    pub fn put(&self, warp: Warp) {
+        let mut warps = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if warps.len() < SPARE {
+            warps.push(warp);
+        }
+    }
+
+    fn take(&self) -> Option<Warp> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).pop()
+    }
+}
+
 /// The viewer rests when no map was asked for in so long, the period of one and a half packets of a tracker that sends 60 a second.
 /// A gain that was worked out meanwhile goes with the next map, so that a moving viewer's frames are drawn once each; at rest it is
 /// shown by itself.
@@ -140,7 +160,7 @@ const REST: Duration = Duration::from_millis(25);
 pub(crate) fn start(
     jobs: Arc<Newest<Job>>,
     solved: Arc<Newest<Solved>>,
-    spent: Arc<Newest<Warp>>,
+    spent: Arc<Spent>,
     ready: impl Fn() + Send + 'static,
     settled: impl Fn(Settled) + Send + 'static,
     refused: impl Fn(String) + Send + 'static,
@@ -181,10 +201,10 @@ pub(crate) fn start(
             let Some(known) = &mut known else { continue };
             match known.solve(&request, spent.take()) {
                 Ok((warp, evening)) => {
-                    // Memory that is touched for the first time takes longer than all the rest of a map: the second viewpoint finds some that was.
+                    // The next viewpoints find memory at once.
                     if !began {
                         began = true;
-                        spent.put(warp.clone());
+                        (0..SPARE).for_each(|_| spent.put(warp.clone()));
                     }
                     let overtaken = solved.put(Solved {
                         number: numbers.next().unwrap_or_default(),
@@ -280,7 +300,7 @@ mod tests {
         let scene = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/paper");
         let loaded = Arc::new(midair::scene::load(&scene.join("sphere.toml")).unwrap());
         let (jobs, solved, spent) =
-            (Arc::new(Newest::new()), Arc::new(Newest::new()), Arc::new(Newest::new()));
+            (Arc::new(Newest::new()), Arc::new(Newest::new()), Arc::new(Spent::default()));
         let ((ready, maps), (settled, gains)) = (channel(), channel());
         start(
             Arc::clone(&jobs),
