@@ -73,8 +73,8 @@ impl Show {
         let evened = map.evening.as_ref().zip(self.evened.as_ref());
         let (evening, drive) =
             evened.map_or((None, &self.drive), |(evening, drive)| (Some(evening), drive));
-        let Ok(light) = self.light.of(&frame, evening) else { return };
-        let picture = Picture { frame: &frame, map, light, drive, lines: &lines };
+        let Ok((light, light_number)) = self.light.of(&frame, evening) else { return };
+        let picture = Picture { map, light, light_number, drive, lines: &lines };
         let drawn = match screen.presenter.show(size.into(), &picture) {
             Ok(Some(drawn)) => drawn,
             Ok(None) => return,

@@ -12,10 +12,12 @@ pub(crate) struct Lit {
     of: Option<(Frame, Option<Arc<FrameEvening>>)>,
     /// The share of the frame's samples that take a brighter display.
     pub clipped: f64,
+    /// How often light was decoded: no two frames, and no two gains of a frame, have the same number.
+    number: u64,
 }
 
 impl Lit {
-    /// The light of a frame, its gain divided out if there is one.
+    /// The light of a frame, its gain divided out if there is one; and its number, which tells it from all others.
     ///
     /// # Errors
     /// [`WarpError`] where the frame's bytes are not as many as its size says.
@@ -23,7 +25,7 @@ impl Lit {
         &mut self,
         frame: &Frame,
         evening: Option<&Arc<FrameEvening>>,
-    ) -> Result<&LightFrame, WarpError> {
+    ) -> Result<(&LightFrame, u64), WarpError> {
         let known = self.of.as_ref().is_some_and(|(of, with)| {
             let same = match (with, evening) {
                 (Some(a), Some(b)) => Arc::ptr_eq(a, b),
@@ -40,7 +42,8 @@ impl Lit {
                 None => self.light.decode(&frame.bytes, 4).map(|()| 0.0)?,
             };
             self.of = Some((frame.clone(), evening.cloned()));
+            self.number += 1;
         }
-        Ok(&self.light)
+        Ok((&self.light, self.number))
     }
 }

@@ -226,6 +226,17 @@ impl Stage {
     }
 }
 
+/// A port that nobody has.
+fn free_port() -> u16 {
+    UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port()
+}
+
+/// What opentrack sends of a place in mm: six little-endian doubles, x, y, z in cm and three angles.
+fn opentrack([x, y, z]: [f64; 3]) -> Vec<u8> {
+    let numbers = [x / 10.0, y / 10.0, z / 10.0, 0.0, 0.0, 0.0];
+    numbers.iter().flat_map(|n| n.to_le_bytes()).collect()
+}
+
 /// A code of difference where a weight of 14 bits falls the other way: the live map is solved to 2.5e-5 of the picture, and
 /// the waves rise by less than 90 codes a pixel of 1/160.
 const TOLERANCE: u8 = 2;
@@ -376,7 +387,7 @@ fn the_gain_of_a_moving_viewer_settles_when_the_viewer_rests() {
                 position = [0.0, 0.0, 400.0]\n\
                 material = { ior = 1.0, absorption = [0.04, 0.0, 0.02] }\n";
     let stage = Stage::with("", &format!("{BALL}{bead}"));
-    let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let port = free_port();
     let track = format!("opentrack:{port}");
     let show = screen.play(
         &stage.bench,
@@ -385,11 +396,7 @@ fn the_gain_of_a_moving_viewer_settles_when_the_viewer_rests() {
     screen.await_picture("at rest", &stage.evened(stage.setup.viewpoint), EVENED);
     let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
     let send = |eye: Vec3| {
-        let packet: Vec<u8> = [eye.x / 10.0, eye.y / 10.0, eye.z / 10.0, 0.0, 0.0, 0.0]
-            .iter()
-            .flat_map(|n: &f64| n.to_le_bytes())
-            .collect();
-        socket.send_to(&packet, ("127.0.0.1", port)).unwrap();
+        socket.send_to(&opentrack([eye.x, eye.y, eye.z]), ("127.0.0.1", port)).unwrap();
         std::thread::sleep(Duration::from_millis(16));
     };
     for side in [1.0, -1.0] {
@@ -418,7 +425,7 @@ fn it_follows_opentrack_and_osc() {
     let stage = Stage::new();
     let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
     for protocol in ["opentrack", "osc"] {
-        let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let port = free_port();
         let track = format!("{protocol}:{port}");
         let show = screen.play(
             &stage.bench,
@@ -437,10 +444,7 @@ fn it_follows_opentrack_and_osc() {
         screen.await_picture("at rest", &stage.shown_to(0.0, 0.0, 800.0), TOLERANCE);
         for [x, y, z] in [[40.0, 10.0, 650.0], [-35.0, 0.0, 720.0]] {
             let packet: Vec<u8> = if protocol == "opentrack" {
-                [x / 10.0, y / 10.0, z / 10.0, 0.0, 0.0, 0.0]
-                    .iter()
-                    .flat_map(|n: &f64| n.to_le_bytes())
-                    .collect()
+                opentrack([x, y, z])
             } else {
                 let mut message = b"/midair/viewpoint\0\0\0,fff\0\0\0\0".to_vec();
                 message.extend([x, y, z].iter().flat_map(|n| (*n as f32).to_be_bytes()));

@@ -5,7 +5,6 @@ mod processor;
 
 use crate::options::{PlayError, Renderer};
 use crate::solver::Solved;
-use crate::source::Frame;
 use graphics::Graphics;
 use midair::media::{Drive, LightFrame};
 use processor::Processor;
@@ -15,10 +14,11 @@ use winit::window::Window;
 
 /// What is to be shown.
 pub(crate) struct Picture<'a> {
-    pub frame: &'a Frame,
     pub map: &'a Solved,
     /// The frame's light, and the display's codes for it.
     pub light: &'a LightFrame,
+    /// Tells this light, and the codes that go with it, from others.
+    pub light_number: u64,
     pub drive: &'a Drive,
     /// Text over it.
     pub lines: &'a [String],

@@ -6,7 +6,6 @@ mod warper;
 
 use super::{Picture, Presenter};
 use crate::letters::{extent, overlay};
-use midair::media::FrameEvening;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 use warper::Warper;
@@ -60,9 +59,6 @@ impl Device {
     }
 }
 
-/// What was uploaded last: frames and gains are known by the memory that they are in.
-type Uploaded = (Arc<Vec<u8>>, Option<Arc<FrameEvening>>);
-
 /// A window's surface and the device that draws it.
 pub(super) struct Graphics {
     // Dropped before the device that it belongs to.
@@ -72,9 +68,9 @@ pub(super) struct Graphics {
     device: Device,
     settings: wgpu::SurfaceConfiguration,
     warper: Warper,
-    uploaded: Option<Uploaded>,
-    /// The number of the map whose taps were uploaded.
+    /// The numbers of the map and of the light that were uploaded last.
     map: Option<u64>,
+    light: Option<u64>,
 }
 
 impl Graphics {
@@ -115,7 +111,7 @@ impl Graphics {
         let warper = Warper::new(&device, settings.format);
         device.finish()?;
         let window = Arc::clone(window);
-        Ok(Self { surface, window, instance, device, settings, warper, uploaded: None, map: None })
+        Ok(Self { surface, window, instance, device, settings, warper, map: None, light: None })
     }
 
     /// The texture that the window shows next; `None` if it takes none now.
@@ -155,24 +151,15 @@ impl Graphics {
 
     /// Hands the device what it does not have yet; false for a map that it cannot use.
     fn upload(&mut self, picture: &Picture) -> bool {
-        let frame = picture.frame;
         if self.map != Some(picture.map.number) {
             if !self.warper.take_map(&self.device, &picture.map.warp, picture.map.source) {
                 return false;
             }
             self.map = Some(picture.map.number);
         }
-        let evening = picture.map.evening.as_ref();
-        let known = self.uploaded.as_ref().is_some_and(|(bytes, of)| {
-            Arc::ptr_eq(bytes, &frame.bytes)
-                && match (of, evening) {
-                    (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-                    (a, b) => a.is_none() && b.is_none(),
-                }
-        });
-        if !known {
+        if self.light != Some(picture.light_number) {
             self.warper.take_frame(&self.device, picture.light, picture.drive);
-            self.uploaded = Some((Arc::clone(&frame.bytes), evening.map(Arc::clone)));
+            self.light = Some(picture.light_number);
         }
         true
     }

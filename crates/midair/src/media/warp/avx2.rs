@@ -129,18 +129,25 @@ pub(super) fn bilinear<const C: usize>(
             }};
         }
         let (r0, r1, r2, r3) = (two!(0, 0x00), two!(1, 0x55), two!(2, 0xaa), two!(3, 0xff));
-        let codes = _mm256_packus_epi16(_mm256_packus_epi32(r0, r1), _mm256_packus_epi32(r2, r3));
-        let (low, high) = target.split_at_mut(4 * C);
-        store_four::<C>(_mm256_castsi256_si128(codes), low);
-        store_four::<C>(_mm256_extracti128_si256::<1>(codes), high);
+        store_eight::<C>([r0, r1, r2, r3], target);
     }
     kernel::bilinear_plain::<C>(frame, source, rest, last);
+}
+
+/// Stores eight pixels as C bytes each, given in 32 bits a channel: in each number a pixel k and, in the upper lane, the pixel k + 4.
+#[inline]
+#[target_feature(enable = "avx2")]
+pub(super) fn store_eight<const C: usize>([a, b, c, d]: [__m256i; 4], target: &mut [u8]) {
+    let codes = _mm256_packus_epi16(_mm256_packus_epi32(a, b), _mm256_packus_epi32(c, d));
+    let (low, high) = target.split_at_mut(4 * C);
+    store_four::<C>(_mm256_castsi256_si128(codes), low);
+    store_four::<C>(_mm256_extracti128_si256::<1>(codes), high);
 }
 
 /// Stores four pixels of four bytes each, as C bytes each.
 #[inline]
 #[target_feature(enable = "avx2")]
-pub(super) fn store_four<const C: usize>(codes: __m128i, target: &mut [u8]) {
+fn store_four<const C: usize>(codes: __m128i, target: &mut [u8]) {
     let codes = if C == 4 {
         codes
     } else {

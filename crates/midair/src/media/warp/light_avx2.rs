@@ -1,6 +1,6 @@
 //! The kernels for frames as light, with 256-bit integers. Same arithmetic as [`super::linear`] and [`super::evened`], same results.
 
-use super::avx2::{store_four, weights};
+use super::avx2::{store_eight, weights};
 use super::evened::{Light, MOST, ROUNDING, decode_row_plain};
 use super::linear::{DROP, LAST, Run, WHITE};
 use super::taps::{AHEAD, ONE};
@@ -69,10 +69,7 @@ pub(super) fn bilinear<const C: usize>(run: &Run, output: &mut [u8]) {
             }};
         }
         let (r0, r1, r2, r3) = (two!(0, 0x00), two!(1, 0x55), two!(2, 0xaa), two!(3, 0xff));
-        let codes = _mm256_packus_epi16(_mm256_packus_epi32(r0, r1), _mm256_packus_epi32(r2, r3));
-        let (low, high) = target.split_at_mut(4 * C);
-        store_four::<C>(_mm256_castsi256_si128(codes), low);
-        store_four::<C>(_mm256_extracti128_si256::<1>(codes), high);
+        store_eight::<C>([r0, r1, r2, r3], target);
     }
     let pixels = run.pixels.start + blocks.len() * 8..run.pixels.end;
     Run { pixels, ..*run }.warp_plain::<C, false>(&[], &[], last);
