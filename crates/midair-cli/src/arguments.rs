@@ -5,7 +5,7 @@ use clap::ValueEnum;
 use clap::builder::PossibleValuesParser;
 use clap::builder::TypedValueParser as _;
 use midair::map::format::{Format, MAX_PIXELS};
-use midair::media::{Overflow, Still, read_still};
+use midair::picture::{Overflow, Still, read_still};
 use midair::scene::{Loaded, load};
 use std::path::Path;
 use std::str::FromStr;

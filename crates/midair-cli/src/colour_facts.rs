@@ -8,12 +8,12 @@ use crate::report_page::figure;
 use crate::summary::{number, percent};
 use midair::evaluate::colour::{Evenness, FringeWidth, Fringes, evenness, fringes};
 use midair::evaluate::proof::{Settings, view_size};
-use midair::evaluate::report::{Block, Cell, Figure, FigureError, Section, SummaryRow, Table};
 use midair::map::{Gain, Map};
-use midair::media::{Depth, Picture, write_still};
+use midair::picture::{Depth, Picture, write_still};
 use midair::scene::Loaded;
 use midair::scene::model::{PlateModel, Scene};
 use midair::transport::Setup;
+use midair_report::page::{Block, Cell, Figure, FigureError, Section, SummaryRow, Table};
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 

@@ -2,9 +2,9 @@
 
 use crate::colour_facts::Colour;
 use crate::summary::{Counts, number, percent, timings};
-use midair::evaluate::lattice::Displacement;
 use midair::evaluate::proof::{Baseline, Likeness, Proof, Settings, Shape, Shown};
 use midair::map::ImagePoint;
+use midair::measure::lattice::Displacement;
 use midair::scene::Loaded;
 use midair::scene::model::PlateModel;
 use midair::transport::{DESIGN_WAVELENGTH, Setup};

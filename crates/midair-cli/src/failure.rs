@@ -2,10 +2,10 @@
 
 use midair::evaluate::proof::ProofError;
 use midair::map::format::FileError;
-use midair::media::optimal::OptimalError;
-use midair::media::video::VideoError;
+use midair::picture::optimal::OptimalError;
 use midair::scene::SceneError;
 use midair::transport::SetupError;
+use midair_video::VideoError;
 
 /// Why a command could not do its work.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]

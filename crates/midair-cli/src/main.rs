@@ -4,19 +4,14 @@
 //! else is the library's.
 
 mod arguments;
-mod chart_sheet;
 mod colour_facts;
 mod commands;
 mod facts;
 mod failure;
-mod lattice_picture;
-mod lettering;
 mod output;
 mod progress;
 mod report_page;
-mod status_picture;
 mod summary;
-mod test_picture;
 
 use clap::Parser;
 use std::io::Write as _;

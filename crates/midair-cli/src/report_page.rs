@@ -3,13 +3,13 @@
 use crate::facts::{Facts, likeness_text};
 use crate::failure::Failure;
 use crate::summary::{Counts, percent};
-use midair::evaluate::lattice::Displacement;
 use midair::evaluate::proof::{Likeness, Shape};
-use midair::evaluate::report::{
+use midair::map::Map;
+use midair::measure::lattice::Displacement;
+use midair::picture::{Picture, display_image};
+use midair_report::page::{
     Block, Cell, Figure, FigureError, Image, Page, Section, SummaryRow, Table, VectorChart,
 };
-use midair::map::Map;
-use midair::media::{Picture, display_image};
 
 /// Pixels of a picture's longer side on the page; the files beside it have all.
 const SHOWN: usize = 640;

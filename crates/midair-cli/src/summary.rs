@@ -3,6 +3,7 @@
 use crate::failure::Failure;
 use midair::map::format::FileError;
 use midair::map::{Map, Status};
+pub use midair_report::percent;
 use serde_json::{Value, json};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -98,18 +99,6 @@ impl Counts {
     }
 }
 
-/// A share as a percentage that does not round a few away or to all.
-pub fn percent(share: f64) -> String {
-    let value = 100.0 * share;
-    if share > 0.0 && value < 0.05 {
-        "< 0.1 %".to_owned()
-    } else if share < 1.0 && value >= 99.95 {
-        "> 99.9 %".to_owned()
-    } else {
-        format!("{value:.1} %")
-    }
-}
-
 /// Stages and their times in ms, as in report.json.
 pub fn timings(laps: &[(&'static str, Duration)]) -> Value {
     let entry = |&(name, time): &(&str, Duration)| (name.to_owned(), json!(milliseconds(time)));
@@ -135,15 +124,4 @@ pub fn paths(files: &[PathBuf]) -> Value {
 pub fn wrote(files: &[PathBuf]) -> String {
     let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
     format!("wrote {}\n", names.join(", "))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn percentages_do_not_hide_the_few() {
-        let shown = [0.0, 1e-6, 0.5, 1.0 - 1e-6, 1.0].map(percent);
-        assert_eq!(shown, ["0.0 %", "< 0.1 %", "50.0 %", "> 99.9 %", "100.0 %"]);
-    }
 }

@@ -3,7 +3,7 @@
 use crate::solver::{COLOURS, LIVE_TOLERANCE};
 use midair::geometry::Vec3;
 use midair::map::{Accuracy, ImageGain, invert};
-use midair::media::{Evening, FrameEvening, Overflow};
+use midair::picture::{Evening, FrameEvening, Overflow};
 use midair::scene::Loaded;
 use midair::simulate::{ImageGainWork, Plate, gain};
 use midair::transport::Setup;

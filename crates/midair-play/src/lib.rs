@@ -2,7 +2,7 @@
 //!
 //! Threads: the window's (warps the newest frame by the newest map and presents it), the source's (frames at their times), the tracker's
 //! (packets), and the solver's (a map for the newest viewpoint; older requests are dropped, so that the show never waits; and its gain, in
-//! the time until the next). Frames are warped by a graphics device or by the processor, whose kernels (`midair::media::Warp`) take a few
+//! the time until the next). Frames are warped by a graphics device or by the processor, whose kernels (`midair::picture::Warp`) take a few
 //! milliseconds for a full-HD frame, so that a machine without a graphics card can run the show; both show the same codes.
 
 mod brightness;

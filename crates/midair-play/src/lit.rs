@@ -1,7 +1,7 @@
 //! A frame's light, decoded once for as long as the frame and its gain stay.
 
 use crate::source::Frame;
-use midair::media::{FrameEvening, LightFrame, WarpError};
+use midair::picture::{FrameEvening, LightFrame, WarpError};
 use std::sync::Arc;
 
 /// The light of the last frame that was drawn.

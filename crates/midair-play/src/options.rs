@@ -4,7 +4,7 @@ use crate::source::SourceKind;
 use crate::steady::OneEuro;
 use crate::tracker::{Calibration, Protocol};
 use crate::trial::Trial;
-use midair::media::Overflow;
+use midair::picture::Overflow;
 use std::path::PathBuf;
 use std::time::Duration;
 

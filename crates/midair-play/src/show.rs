@@ -10,7 +10,7 @@ use crate::steady::Steady;
 use crate::tracker::{Calibration, Protocol, Reading, listen};
 use crate::trial::{Departures, Latency, Stages, latency, send};
 use midair::geometry::Vec3;
-use midair::media::Drive;
+use midair::picture::Drive;
 use midair::scene::Loaded;
 use std::collections::VecDeque;
 use std::path::PathBuf;

@@ -4,7 +4,7 @@ use crate::brightness::Brightness;
 use midair::evaluate::proof::uncompensated_map;
 use midair::geometry::Vec3;
 use midair::map::{Accuracy, Inverse, with_rim};
-use midair::media::{Filter, FrameEvening, Overflow, Warp};
+use midair::picture::{Filter, FrameEvening, Overflow, Warp};
 use midair::scene::Loaded;
 use midair::transport::Setup;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};

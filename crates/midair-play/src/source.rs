@@ -1,9 +1,9 @@
 //! What is shown: frames at their times.
 
 use crate::solver::Newest;
-use midair::evaluate::lattice::{LatticeStyle, draw_lattice};
-use midair::media::video::{Decoder, VideoError, probe};
-use midair::media::{FileError, Picture, Sequence, read_still, srgb};
+use midair::measure::lattice::{LatticeStyle, draw_lattice};
+use midair::picture::{FileError, Picture, Sequence, read_still, srgb};
+use midair_video::{Decoder, VideoError, probe};
 use std::io::Read as _;
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -2,8 +2,8 @@
 //! micro-mirror array plate and seen through or on a distortive element, looks undistorted.
 //!
 //! The floors of the house, each knowing only those above it:
-//! [`geometry`], [`optics`], [`scene`], [`transport`], [`map`], [`media`], [`simulate`],
-//! [`evaluate`].
+//! [`geometry`], [`optics`], [`scene`], [`transport`], [`map`], [`picture`], [`simulate`],
+//! [`measure`], [`evaluate`].
 //!
 //! Units are millimetres and degrees; frames are right-handed with +y up.
 #![deny(missing_docs)]
@@ -11,8 +11,9 @@
 pub mod evaluate;
 pub mod geometry;
 pub mod map;
-pub mod media;
+pub mod measure;
 pub mod optics;
+pub mod picture;
 pub mod scene;
 pub mod simulate;
 pub mod transport;

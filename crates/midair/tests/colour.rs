@@ -1,10 +1,10 @@
 //! Colour and brightness, proved with the full simulator: what `--gain` and `--per-channel` promise.
 
 use midair::evaluate::colour::fringes;
-use midair::evaluate::lattice::LatticeStyle;
 use midair::map::{Accuracy, Map, bleed, invert};
-use midair::media::{Overflow, Picture, display_image, display_image_by_colour, even_out};
+use midair::measure::lattice::LatticeStyle;
 use midair::optics::plate::{SlitMirror, SlitMirrorPlate};
+use midair::picture::{Overflow, Picture, display_image, display_image_by_colour, even_out};
 use midair::scene::{Loaded, load};
 use midair::simulate::{Camera, Plate, Render, Settings, Viewer, Watch, gain};
 use midair::simulate::{render, render_with_dispersion};
@@ -234,7 +234,7 @@ fn colours_are_right_through_tinted_glass() {
     let loaded = scene(0.0, tinted);
     let setup = Setup::new(&loaded).unwrap();
     let (columns, rows, side) = (6, 4, 40);
-    let light = |code: u8| midair::media::srgb::decode_8(code);
+    let light = |code: u8| midair::picture::srgb::decode_8(code);
     let pixels = (0..columns * side * rows * side).map(|index| {
         let (x, y) = (index % (columns * side) / side, index / (columns * side) / side);
         let [r, g, b] = CHART[y * columns + x].map(light);

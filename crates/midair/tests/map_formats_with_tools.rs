@@ -4,7 +4,7 @@
 
 use midair::map::format::{Format, decode_channels, read_map, write_channels, write_map};
 use midair::map::{Map, Status, bleed, reversed};
-use midair::media::{Filter, Warp};
+use midair::picture::{Filter, Warp};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 

@@ -4,7 +4,7 @@ use super::rows::{Done, Row, Sizes, Work};
 use super::{Outcome, set_ups};
 use midair::geometry::Vec3;
 use midair::map::{Accuracy, Inverse, Map, invert_into};
-use midair::media::{Drive, Filter, LightFrame, Warp};
+use midair::picture::{Drive, Filter, LightFrame, Warp};
 use midair::transport::Setup;
 use std::hint::black_box;
 

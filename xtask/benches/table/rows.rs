@@ -2,9 +2,9 @@
 
 use super::{Outcome, set_ups};
 use midair::map::{Accuracy, Map, Status, invert, invert_into, pixel_centre, splat};
-use midair::media::display_image;
-use midair::media::optimal::{ViewSamples, Weighting, optimal_display};
 use midair::optics::plate::SlitMirror;
+use midair::picture::display_image;
+use midair::picture::optimal::{ViewSamples, Weighting, optimal_display};
 use midair::scene::model::PlateModel;
 use midair::simulate::{Camera, Plate, Settings, Viewer, Watch, render};
 use midair::transport::Setup;

@@ -3,7 +3,7 @@
 use super::Outcome;
 use midair::geometry::mesh::TriangleMesh;
 use midair::geometry::{MeshSurface, Shape, Vec3};
-use midair::media::Picture;
+use midair::picture::Picture;
 use midair::scene;
 use midair::transport::Setup;
 use std::collections::HashMap;

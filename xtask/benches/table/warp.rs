@@ -3,7 +3,7 @@
 use super::rows::{Done, Row, Sizes, Work};
 use super::{Outcome, set_ups};
 use midair::map::Map;
-use midair::media::{Filter, Warp};
+use midair::picture::{Filter, Warp};
 use std::io::{BufRead, BufReader, Write};
 use std::path::PathBuf;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};

@@ -5,10 +5,10 @@ use super::report::write_proof;
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::summary::Voice;
-use crate::test_picture;
 use midair::map::format::write_bytes_atomically;
-use midair::media::{Depth, Still, write_still};
+use midair::picture::{Depth, Still, write_still};
 use midair::scene::load;
+use midair_report::drawing::test_picture;
 use std::path::PathBuf;
 
 /// An acrylic ball with the image at its centre.

@@ -6,18 +6,19 @@ use crate::output::Output;
 use crate::progress::Bar;
 use crate::summary::{Voice, number, paths, wrote};
 use clap::ValueEnum;
-use midair::evaluate::lpips::{Backbone, Lpips, LpipsError};
 use midair::evaluate::paper::{
     Evaluation, PUBLISHED_DISPLACEMENT, PUBLISHED_QUALITY, PaperError, Photograph, QualityView,
-    Settings, Subject, quality, shape, strip,
+    Settings, Subject, quality, shape,
 };
-use midair::evaluate::report::Figure;
 use midair::map::format::{FileError, write_bytes_atomically};
-use midair::media::{Depth, Picture, write_still};
+use midair::measure::lpips::{Backbone, Lpips, LpipsError};
 use midair::optics::plate::SlitMirror;
+use midair::picture::{Depth, Picture, write_still};
 use midair::scene::{Loaded, load};
 use midair::simulate::Plate;
 use midair::simulate::tone::{Exposure, exposed};
+use midair_report::page::Figure;
+use midair_report::paper::{paper_page, strip};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -154,12 +155,12 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         evaluation.shapes.push(found);
         notes.extend(why);
     }
-    let mut exposures = Vec::new();
+    let (mut exposures, mut strips) = (Vec::new(), Vec::new());
     for scene in QUALITY {
         let subject = Subject { surface: scene.0, scene: &loaded(scene)? };
         let done = |view: QualityView| -> Result<(), Failure> {
             let figure = write_strip(&mut output, &view)?;
-            evaluation.strips.push(figure);
+            strips.push(figure);
             exposures.push(view.exposure);
             evaluation.quality.push(view.row);
             Ok(())
@@ -171,7 +172,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     evaluation.assumptions = assumptions(arguments, &settings, &exposures);
     evaluation.differences = differences(arguments);
     evaluation.notes = notes.clone();
-    evaluation.colophon = format!(
+    let colophon = format!(
         "midair {} evaluate --paper{}: {} photographs, {seconds:.0} s",
         env!("CARGO_PKG_VERSION"),
         if arguments.quick { " --quick" } else { "" },
@@ -198,7 +199,9 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     output.write("report.json", |path| {
         write_bytes_atomically(path, format!("{told:#}\n").as_bytes())
     })?;
-    output.write("report.html", |path| evaluation.page().write_atomically(path))?;
+    output.write("report.html", |path| {
+        paper_page(&evaluation, &strips, &colophon).write_atomically(path)
+    })?;
     let files = output.finish()?;
     voice.note(&notes);
     voice.explain(wrote(&files).trim_end());

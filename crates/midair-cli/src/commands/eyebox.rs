@@ -11,7 +11,7 @@ use midair::evaluate::proof::{Watch as _, view_size};
 use midair::geometry::Vec3;
 use midair::map::format::Format;
 use midair::map::{Accuracy, Map, invert, with_rim};
-use midair::media::{display_image, write_still};
+use midair::picture::{display_image, write_still};
 use midair::transport::Setup;
 use serde_json::{Value, json};
 use std::path::PathBuf;

@@ -2,16 +2,16 @@
 
 use crate::arguments::open_picture;
 use crate::failure::Failure;
-use crate::lattice_picture;
 use crate::output::Output;
 use crate::summary::{Voice, number, paths, wrote};
 use clap::{Subcommand, ValueEnum};
-use midair::evaluate::Plane;
-use midair::evaluate::lattice::{
+use midair::map::format::write_bytes_atomically;
+use midair::measure::Plane;
+use midair::measure::lattice::{
     Alignment, Displacement, Lattice, LatticeError, aligned, detect, displacement,
 };
-use midair::map::format::write_bytes_atomically;
-use midair::media::{Depth, Picture, write_still};
+use midair::picture::{Depth, Picture, write_still};
+use midair_report::drawing::lattice_picture;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

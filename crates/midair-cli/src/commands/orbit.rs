@@ -5,17 +5,17 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::progress::Bar;
 use crate::summary::{Voice, milliseconds, number, paths, wrote};
-use midair::evaluate::lattice::{Displacement, LatticeStyle};
 use midair::evaluate::orbit::{Seen, Settings, Station, orbit};
-use midair::evaluate::paper::strip;
 use midair::evaluate::proof::{Watch as _, view_size};
-use midair::evaluate::report::{
+use midair::map::format::write_bytes_atomically;
+use midair::measure::lattice::{Displacement, LatticeStyle};
+use midair::picture::{Depth, Picture, srgb, write_still};
+use midair::transport::Setup;
+use midair_report::page::{
     Block, Cell, Figure, Image, LineChart, Page, Section, Series, SummaryRow, Table,
 };
-use midair::map::format::write_bytes_atomically;
-use midair::media::video::{Colour, Encoder, Recipe, Timing, VideoError};
-use midair::media::{Depth, Picture, srgb, write_still};
-use midair::transport::Setup;
+use midair_report::paper::strip;
+use midair_video::{Colour, Encoder, Recipe, Timing, VideoError};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;

@@ -1,13 +1,11 @@
 //! `midair plate`: a plate's character as pictures and numbers.
 
 use crate::arguments::{length, open_scene};
-use crate::chart_sheet::{Axis, Curve, curves, map, row};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::summary::{Voice, number, paths, percent, wrote};
 use midair::geometry::Vec3;
 use midair::map::format::write_bytes_atomically;
-use midair::media::{Depth, Picture, write_still};
 use midair::optics::plate::character::{
     Arrangement, Directions, PointSpread, PointSpreadSettings, Span, Viewpoints, VisibleRange,
     over_directions, over_viewpoints, point_spread,
@@ -15,10 +13,13 @@ use midair::optics::plate::character::{
 use midair::optics::plate::{
     Class, Shares, SlitMirror, SlitMirrorPlate, luminance, viewing_angles,
 };
+use midair::picture::{Depth, Picture, write_still};
 use midair::scene::Loaded;
 use midair::scene::model::PlateModel;
-use midair::simulate::{Plate, point_spread_chart, shares_chart, viewpoints_chart};
+use midair::simulate::Plate;
 use midair::transport::Setup;
+use midair_report::drawing::chart_sheet::{Axis, Curve, curves, map, row};
+use midair_report::drawing::{point_spread_chart, shares_chart, viewpoints_chart};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 

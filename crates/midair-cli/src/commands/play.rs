@@ -3,7 +3,7 @@
 use crate::arguments::{GainMode, Point, Size, open_scene};
 use crate::failure::Failure;
 use crate::summary::{Voice, paths};
-use midair::media::Sequence;
+use midair::picture::Sequence;
 use midair_play::{
     Calibration, Latency, OneEuro, Options, Outcome, PlayError, Protocol, Renderer, SourceKind,
     Trial, run as show,

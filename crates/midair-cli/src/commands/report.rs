@@ -8,12 +8,12 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::progress::Bar;
 use crate::summary::{Voice, paths, wrote};
-use crate::test_picture;
 use midair::evaluate::proof::{Proof, Settings, Watch as _, prove, view_size};
 use midair::map::format::{FileError, Format, write_bytes_atomically};
-use midair::media::{Depth, Picture, Still, write_still};
+use midair::picture::{Depth, Picture, Still, write_still};
 use midair::scene::Loaded;
 use midair::transport::Setup;
+use midair_report::drawing::test_picture;
 use std::path::PathBuf;
 
 /// Prove that a scene is compensated: views, lattice displacement, likeness, brightness, colour fringes, stray light, the paper's method

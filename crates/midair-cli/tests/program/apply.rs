@@ -3,8 +3,8 @@
 use super::{Bench, waves};
 use midair::map::format::{Format, read_map, write_map, write_map_and_gain};
 use midair::map::{Gain, Map, Status};
-use midair::media::video::{Decoder, probe};
-use midair::media::{Depth, display_image, read_still, srgb, write_still};
+use midair::picture::{Depth, display_image, read_still, srgb, write_still};
+use midair_video::{Decoder, probe};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -378,7 +378,7 @@ fn a_maps_gain_is_divided_out_of_stills_and_films_and_survives_conversion() {
     let rgb: Vec<[f32; 3]> = (0..32 * 24).map(|i| [of(i), of(i), 0.9 * of(i)]).collect();
     let gain = Gain { width: 32, height: 24, rgb };
     write_map_and_gain(&map, Some(&gain), [32, 24], Format::Exr, &bench.path("map.exr")).unwrap();
-    let half = midair::media::Picture::filled(32, 24, [0.5, 0.5, 0.5, 1.0]);
+    let half = midair::picture::Picture::filled(32, 24, [0.5, 0.5, 0.5, 1.0]);
     write_still(&bench.path("a.exr"), &half, Depth::Float).unwrap();
 
     // A still is as bright as it can be: its worst pixel, blue on the left, sends all that there is.

@@ -1,7 +1,7 @@
 //! Wrong and hostile input: one message with file, place and remedy, exit code 2, nothing written.
 
 use super::{BALL, Bench, set_up, waves};
-use midair::media::{Depth, write_still};
+use midair::picture::{Depth, write_still};
 
 /// Runs `compensate` on a scene that must be refused; the message must have all these words.
 fn scene_is_refused(text: &str, words: &[&str]) {

@@ -1,7 +1,7 @@
 //! `midair check`.
 
 use super::{BALL, Bench, as_advised, scene, set_up};
-use midair::media::read_still;
+use midair::picture::read_still;
 
 #[test]
 fn a_display_as_advised_covers_the_whole_image() {

@@ -3,7 +3,7 @@
 use super::{BALL, Bench, scene, set_up, waves};
 use midair::map::format::read_map;
 use midair::map::{Map, Status, pixel_centre};
-use midair::media::{Depth, read_still, write_still};
+use midair::picture::{Depth, read_still, write_still};
 use midair::scene::load;
 use midair::transport::{Path, Setup};
 use std::path::Path as FilePath;
@@ -214,9 +214,9 @@ fn optimal_comes_nearer_than_the_plain_filter() {
         "reference.png",
     ]);
     let reference = read_still(&bench.path("reference.png")).unwrap().picture;
-    let error = |view: &midair::media::Picture| -> f64 {
+    let error = |view: &midair::picture::Picture| -> f64 {
         // The middle, which is formed.
-        let at = |p: &midair::media::Picture, i: usize| p.pixels[i][1];
+        let at = |p: &midair::picture::Picture, i: usize| p.pixels[i][1];
         (0..64 * 64)
             .filter(|i| (16..48).contains(&(i % 64)) && (16..48).contains(&(i / 64)))
             .map(|i| f64::from(at(view, i) - at(&reference, i)).powi(2))
@@ -266,7 +266,7 @@ const TINTED: &str = "[display]\nresolution = [96, 96]\nsize = [40.0, 40.0]\ngam
 fn gain_colours_and_the_displays_response_are_taken_into_account() {
     let bench = Bench::new();
     bench.write("tinted.toml", set_up(TINTED));
-    let white = midair::media::Picture::filled(8, 8, [1.0; 4]);
+    let white = midair::picture::Picture::filled(8, 8, [1.0; 4]);
     write_still(&bench.path("white.png"), &white, Depth::Eight).unwrap();
     let told = bench.json(&[
         "compensate",
@@ -298,7 +298,7 @@ fn gain_colours_and_the_displays_response_are_taken_into_account() {
             .filter(|&pixel| loaded.map.status[pixel] == Status::Ok)
             .nth(800)
             .expect("enough pixels");
-        let code = midair::media::srgb::encode(f64::from(display.pixels[pixel][c]));
+        let code = midair::picture::srgb::encode(f64::from(display.pixels[pixel][c]));
         let emitted = 0.05 + 0.95 * code.powf(1.8);
         let seen = emitted * f64::from(gain.rgb[pixel][c]);
         // Half a step of 255 at a slope of 1.8, or the display's white.

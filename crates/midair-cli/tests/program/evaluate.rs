@@ -1,7 +1,7 @@
 //! `midair evaluate --paper`, at a handful of paths.
 
 use super::{Bench, waves};
-use midair::media::{Depth, write_still};
+use midair::picture::{Depth, write_still};
 
 #[test]
 fn the_papers_evaluation_is_redone_in_one_report() {

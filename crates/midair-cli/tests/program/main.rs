@@ -100,7 +100,7 @@ const BALL: &str = "[[element]]\nname = \"ball\"\nshape = { kind = \"sphere\", r
                         material = { ior = 1.49 }\n";
 
 /// A picture of smooth waves.
-fn waves(width: usize, height: usize) -> midair::media::Picture {
+fn waves(width: usize, height: usize) -> midair::picture::Picture {
     let wave = |x: f64, y: f64| (0.5 + 0.45 * x.sin() * y.cos()) as f32;
     let pixels = (0..width * height)
         .map(|i| {
@@ -113,7 +113,7 @@ fn waves(width: usize, height: usize) -> midair::media::Picture {
             ]
         })
         .collect();
-    midair::media::Picture { width, height, pixels }
+    midair::picture::Picture { width, height, pixels }
 }
 
 /// A scene's text with the display as `midair check` advises it; as it is where no advice is given.

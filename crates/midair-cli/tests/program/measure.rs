@@ -1,8 +1,8 @@
 //! `midair measure lattice`: what photographs show.
 
 use super::Bench;
-use midair::evaluate::lattice::{LatticeStyle, draw_lattice};
-use midair::media::{Depth, Picture, write_still};
+use midair::measure::lattice::{LatticeStyle, draw_lattice};
+use midair::picture::{Depth, Picture, write_still};
 
 fn lattice(bench: &Bench, name: &str, [dx, dy]: [usize; 2], dark: bool) {
     let mut drawn = draw_lattice(400, 400, &LatticeStyle::default()).unwrap();

@@ -1,7 +1,7 @@
 //! `midair plate`.
 
 use super::{Bench, set_up};
-use midair::media::{Depth, Picture, read_still, write_still};
+use midair::picture::{Depth, Picture, read_still, write_still};
 
 fn plate(keys: &str) -> String {
     set_up("").replace("size = [488.0, 488.0]", &format!("size = [488.0, 488.0]\n{keys}"))

@@ -3,7 +3,7 @@
 use super::{BALL, Bench, set_up, waves};
 use midair::geometry::Vec3;
 use midair::map::{Accuracy, Gain, Map, invert, with_rim};
-use midair::media::{
+use midair::picture::{
     Depth, Drive, Evening, Filter, LightFrame, Overflow, Warp, read_still, srgb, write_still,
 };
 use midair::scene::load;
@@ -150,7 +150,7 @@ fn end(mut show: Child) {
     show.wait().unwrap();
 }
 
-fn codes(picture: &midair::media::Picture) -> Vec<u8> {
+fn codes(picture: &midair::picture::Picture) -> Vec<u8> {
     picture.pixels.iter().flat_map(|p| [p[0], p[1], p[2]].map(srgb::encode_8)).collect()
 }
 

@@ -1,7 +1,7 @@
 //! `midair view`.
 
 use super::{BALL, Bench, set_up, waves};
-use midair::media::{Depth, Picture, read_still, write_still};
+use midair::picture::{Depth, Picture, read_still, write_still};
 
 fn difference(a: &Picture, b: &Picture) -> f64 {
     let pairs = a.pixels.iter().zip(&b.pixels);

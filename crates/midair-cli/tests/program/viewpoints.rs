@@ -2,7 +2,7 @@
 
 use super::{BALL, Bench, set_up, waves};
 use midair::map::format::read_map;
-use midair::media::{Depth, read_still, write_still};
+use midair::picture::{Depth, read_still, write_still};
 
 fn ball(bench: &Bench) {
     bench.write("ball.toml", set_up(&format!("[display]\nresolution = [200, 200]\n{BALL}")));

@@ -6,7 +6,7 @@ mod processor;
 use crate::options::{PlayError, Renderer};
 use crate::solver::Solved;
 use graphics::Graphics;
-use midair::media::{Drive, LightFrame};
+use midair::picture::{Drive, LightFrame};
 use processor::Processor;
 use std::sync::Arc;
 use std::time::Instant;

@@ -2,14 +2,14 @@
 //!
 //! The paper names it as its first limitation that the compensation holds for one viewpoint.
 
-use super::Plane;
-use super::lattice::{Displacement, LatticeStyle, detect, displacement, draw_lattice};
 use super::proof::displacement::interpolated;
 use super::proof::{ProofError, Watch};
 use crate::geometry::Vec3;
 use crate::map::{Accuracy, Map, invert, with_rim};
-use crate::media::optimal::{ViewSamples, view_through};
-use crate::media::{Picture, display_image};
+use crate::measure::Plane;
+use crate::measure::lattice::{Displacement, LatticeStyle, detect, displacement, draw_lattice};
+use crate::picture::optimal::{ViewSamples, view_through};
+use crate::picture::{Picture, display_image};
 use crate::simulate::Camera;
 use crate::transport::{Path, Setup};
 

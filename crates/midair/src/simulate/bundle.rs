@@ -419,8 +419,8 @@ fn has_avx2() -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::media::Picture;
     use crate::optics::plate::SlitMirror;
+    use crate::picture::Picture;
     use crate::simulate::sequence::mix;
     use crate::simulate::{Camera, Viewer};
     use crate::transport::Setup;

@@ -1,7 +1,7 @@
 //! Where the viewer looks from, and what part of space the view shows.
 
 use crate::geometry::{Ray, Vec3};
-use crate::media::optimal::ViewRays;
+use crate::picture::optimal::ViewRays;
 use crate::transport::{Path, Setup};
 use std::ops::Range;
 

@@ -1,7 +1,7 @@
 //! What a render has gathered, and how sure it is.
 
-use crate::media::Picture;
 use crate::optics::plate::{Class, luminance};
+use crate::picture::Picture;
 
 /// Independent randomised replications of the whole render: their spread tells the error.
 pub(super) const REPLICATIONS: usize = 8;

@@ -2,7 +2,7 @@
 
 use super::Plate;
 use crate::map::{Gain, ImageGain, Map, pixel_centre};
-use crate::media::Picture;
+use crate::picture::Picture;
 use crate::transport::{Path, Setup};
 use rayon::prelude::*;
 

@@ -2,11 +2,11 @@
 
 use super::Measured;
 use crate::geometry::{Frame, Ray, Vec3};
-use crate::media::Picture;
 use crate::optics::interface::{attenuate, beer_lambert, fresnel, reflect, refract_with};
 use crate::optics::plate::{
     Class, LayerPlanes, LuminanceTable, PlateError, SlitMirrorPlate, pass_ideal,
 };
+use crate::picture::Picture;
 use crate::scene::Loaded;
 use crate::scene::model::PlateModel;
 use crate::transport::{Action, Matter, Setup, Step, Walk};

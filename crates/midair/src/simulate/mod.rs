@@ -1,12 +1,11 @@
 //! The forward simulator: what the viewpoint sees.
 //!
-//! Two ways: [`Camera::rays`] with [`view_through`](crate::media::optimal::view_through) follow the one
+//! Two ways: [`Camera::rays`] with [`view_through`](crate::picture::optimal::view_through) follow the one
 //! course that light has through an ideal plate and clear elements; [`render`] follows light by chance
 //! with everything that happens to it, through a pupil of any size and a plate of any kind.
 
 mod bundle;
 mod camera;
-mod chart;
 mod film;
 mod gain;
 mod lens;
@@ -20,7 +19,6 @@ mod tests;
 pub mod tone;
 
 pub use camera::{Camera, Sight};
-pub use chart::{Chart, colour_map, point_spread_chart, shares_chart, viewpoints_chart};
 pub use film::{ErrorEstimate, Layers, Light, Render};
 pub use gain::{ImageGainWork, faded_view, gain, image_gain};
 pub use lens::Viewer;

@@ -5,7 +5,7 @@ use super::film::{Harvest, REPLICATIONS, Render, Row, develop};
 use super::lens::{Lens, Viewer};
 use super::light::{Plate, Stage};
 use super::sequence::{Points, mix};
-use crate::media::Picture;
+use crate::picture::Picture;
 use crate::transport::Setup;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};

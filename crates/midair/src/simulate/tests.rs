@@ -3,9 +3,9 @@
 
 use super::*;
 use crate::geometry::{Frame, Ray, Rectangle, Vec3};
-use crate::media::{Picture, optimal::view_through};
 use crate::optics::emission::{Emission, EmissionTable};
 use crate::optics::plate::{SlitMirror, SlitMirrorPlate};
+use crate::picture::{Picture, optimal::view_through};
 use crate::transport::bench_setup::{ACRYLIC, block, element, setup, sphere};
 use crate::transport::{Element, Matter, Setup};
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -2,7 +2,7 @@
 
 use super::{Light, Render};
 use crate::map::format::{FileError, write_channels};
-use crate::media::{Depth, Picture, write_still};
+use crate::picture::{Depth, Picture, write_still};
 use std::path::Path;
 
 /// How bright a picture is shown.
@@ -98,7 +98,7 @@ pub fn write_layers(path: &Path, render: &Render, light: Light) -> Result<(), Fi
 mod tests {
     use super::*;
     use crate::map::format::decode_channels;
-    use crate::media::read_still;
+    use crate::picture::read_still;
     use crate::simulate::{ErrorEstimate, Layers};
 
     fn grey(values: &[f32]) -> Picture {

@@ -2,8 +2,8 @@
 
 use super::Arguments;
 use crate::failure::Failure;
-use midair::media::video::{Decoder, Film, Timing};
-use midair::media::{Sequence, read_still, srgb};
+use midair::picture::{Sequence, read_still, srgb};
+use midair_video::{Decoder, Film, Timing};
 use std::sync::mpsc::{Receiver, sync_channel};
 
 /// A frame's bytes and when it is shown.

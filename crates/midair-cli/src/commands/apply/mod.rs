@@ -12,7 +12,7 @@ use crate::summary::Voice;
 use clap::ValueEnum;
 use midair::map::format::{Format, read_map};
 use midair::map::{Gain, Map};
-use midair::media::{Evening, Filter, Sequence};
+use midair::picture::{Evening, Filter, Sequence};
 use std::path::{Path, PathBuf};
 
 /// Apply a map to a still, a film or numbered stills: what the display must show

@@ -8,7 +8,7 @@ use crate::output::Output;
 use crate::progress::Bar;
 use crate::summary::{Counts, Voice, milliseconds, paths, wrote};
 use midair::evaluate::proof::Watch as _;
-use midair::media::{Depth, Sequence, display_image, even_out, read_still, write_still};
+use midair::picture::{Depth, Sequence, display_image, even_out, read_still, write_still};
 use serde_json::json;
 use std::path::Path;
 use std::time::Instant;

@@ -3,7 +3,7 @@
 use super::Arguments;
 use crate::failure::Failure;
 use midair::map::Map;
-use midair::media::{
+use midair::picture::{
     Curve, DeepScratch, Drive, Evening, LightFrame, Picture, Warp, WarpError, srgb,
 };
 

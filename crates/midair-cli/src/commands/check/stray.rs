@@ -3,8 +3,8 @@
 use crate::failure::Failure;
 use crate::summary::percent;
 use midair::map::Map;
-use midair::media::Picture;
 use midair::optics::plate::SlitMirrorPlate;
+use midair::picture::Picture;
 use midair::scene::model::{PlateModel, SlitMirror};
 use midair::simulate::{BestPose, PoseLimits, Sights, StrayView, best_pose};
 use midair::transport::Setup;

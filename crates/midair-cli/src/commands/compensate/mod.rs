@@ -10,7 +10,7 @@ use maps::{Solutions, Solved, write_six_channels};
 use midair::evaluate::proof::{Watch as _, view_size};
 use midair::map::format::{Format, write_bytes_atomically};
 use midair::map::{bleed, forward};
-use midair::media::Picture;
+use midair::picture::Picture;
 use midair::scene::Loaded;
 use midair::transport::Setup;
 use serde_json::{Value, json};

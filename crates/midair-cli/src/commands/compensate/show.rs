@@ -7,8 +7,8 @@ use crate::output::Output;
 use crate::summary::percent;
 use midair::evaluate::proof::{Reference, view_size};
 use midair::map::{Gain, Map, with_rim};
-use midair::media::optimal::{Weighting, optimal_display, view_through};
-use midair::media::{
+use midair::picture::optimal::{Weighting, optimal_display, view_through};
+use midair::picture::{
     Depth, Picture, Still, display_image, display_image_by_colour, drive, even_out, write_still,
 };
 use midair::scene::Loaded;

@@ -8,7 +8,7 @@ use crate::progress::Bar;
 use crate::summary::{Voice, milliseconds, number, paths, wrote};
 use clap::ValueEnum;
 use midair::evaluate::proof::Watch as _;
-use midair::media::Depth;
+use midair::picture::Depth;
 use midair::scene::Loaded;
 use midair::scene::model::{PlateModel, SlitMirror};
 use midair::simulate::tone::{Exposure, write_layers, write_png};

@@ -1,7 +1,7 @@
 //! The warp on a graphics device: buffers, and the shader that reads them.
 
 use super::Device;
-use midair::media::{Drive, FixedPoint, LightFrame, NO_TAP, Warp};
+use midair::picture::{Drive, FixedPoint, LightFrame, NO_TAP, Warp};
 use wgpu::{BindingType, BufferBindingType, BufferUsages, ShaderStages};
 
 /// A pipeline and what it reads.

@@ -2,7 +2,7 @@
 
 use super::{coarse, shows};
 use crate::map::{Accuracy, Gain, Map, invert};
-use crate::media::{Evened, Overflow, Picture, display_image, even_out};
+use crate::picture::{Evened, Overflow, Picture, display_image, even_out};
 use crate::simulate::{Plate, faded_view, gain};
 use crate::transport::Setup;
 

@@ -1,12 +1,12 @@
 //! Colour fringes at a lattice's lines, with one map for all colours and with one for each.
 
-use super::super::lattice::{LatticeStyle, draw_lattice};
 use super::super::proof::displacement::Sight;
 use super::super::proof::{ProofError, view_size};
 use super::{coarse, shows};
 use crate::map::{Accuracy, Map, invert, with_rim};
-use crate::media::optimal::{ViewSamples, view_through};
-use crate::media::{Picture, display_image, display_image_by_colour};
+use crate::measure::lattice::{LatticeStyle, draw_lattice};
+use crate::picture::optimal::{ViewSamples, view_through};
+use crate::picture::{Picture, display_image, display_image_by_colour};
 use crate::scene::Loaded;
 use crate::simulate::Camera;
 use crate::transport::{Path, Setup};

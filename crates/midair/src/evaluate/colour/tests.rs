@@ -1,8 +1,8 @@
 use super::*;
-use crate::evaluate::lattice::LatticeStyle;
 use crate::map::{Accuracy, invert};
-use crate::media::Picture;
+use crate::measure::lattice::LatticeStyle;
 use crate::optics::plate::{SlitMirror, SlitMirrorPlate};
+use crate::picture::Picture;
 use crate::scene::{Loaded, load};
 use crate::simulate::Plate;
 use std::io::Write as _;

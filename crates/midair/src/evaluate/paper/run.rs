@@ -1,13 +1,13 @@
 //! The two measurements.
 
+use super::evaluation::{Quality, Scores, Shape, ShapeView};
 use super::stage::{PaperError, Stage, Take};
-use super::tables::{Quality, Scores, Shape, ShapeView};
-use crate::evaluate::lattice::{LatticeStyle, detect, displacement, draw_lattice};
-use crate::evaluate::lpips::Lpips;
 use crate::evaluate::proof::Watch;
-use crate::evaluate::{Plane, blurred_ssim, ssim_over_channels};
 use crate::geometry::{Rectangle, Vec3};
-use crate::media::Picture;
+use crate::measure::lattice::{LatticeStyle, detect, displacement, draw_lattice};
+use crate::measure::lpips::Lpips;
+use crate::measure::{Plane, blurred_ssim, ssim_over_channels};
+use crate::picture::Picture;
 use crate::scene::Loaded;
 use crate::simulate::tone::exposed;
 use crate::simulate::{Camera, Light, Plate};

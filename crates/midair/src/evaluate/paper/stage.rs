@@ -2,7 +2,7 @@
 
 use crate::geometry::{Rectangle, Vec3};
 use crate::map::{Accuracy, Map, invert, with_rim};
-use crate::media::{Picture, display_image};
+use crate::picture::{Picture, display_image};
 use crate::scene::model::{Material, Shape};
 use crate::scene::{Asset, Loaded};
 use crate::simulate::{
@@ -21,13 +21,13 @@ pub enum PaperError {
     Simulate(#[from] SimulateError),
     /// The lattice cannot be drawn.
     #[error(transparent)]
-    Lattice(#[from] crate::evaluate::lattice::LatticeStyleError),
+    Lattice(#[from] crate::measure::lattice::LatticeStyleError),
     /// Views cannot be compared.
     #[error(transparent)]
-    Similarity(#[from] crate::evaluate::SimilarityError),
+    Similarity(#[from] crate::measure::SimilarityError),
     /// Views cannot be compared by LPIPS.
     #[error(transparent)]
-    Lpips(#[from] crate::evaluate::lpips::LpipsError),
+    Lpips(#[from] crate::measure::lpips::LpipsError),
     /// No light of the image reaches the eye.
     #[error("{surface}: no point of the image is formed for an eye at ({x:.0}, {y:.0}, {z:.0}) mm")]
     NothingFormed {

@@ -3,8 +3,8 @@
 use super::run::{cropped, orbited, sensor};
 use super::*;
 use crate::geometry::{Frame, Ray, Rectangle, Vec3};
-use crate::media::Picture;
 use crate::optics::plate::{Class, SlitMirror, SlitMirrorPlate};
+use crate::picture::Picture;
 use crate::scene::{Loaded, load};
 use crate::simulate::Plate;
 use crate::transport::{Path as TransportPath, Setup};

@@ -1,9 +1,9 @@
 //! The lattice's displacement, measured and exact.
 
-use super::super::Plane;
-use super::super::lattice::{Displacement, Lattice, LatticeStyle, detect, displacement};
 use crate::map::{Map, Status};
-use crate::media::Picture;
+use crate::measure::Plane;
+use crate::measure::lattice::{Displacement, Lattice, LatticeStyle, detect, displacement};
+use crate::picture::Picture;
 use crate::simulate::Camera;
 use crate::transport::{Path, Setup};
 

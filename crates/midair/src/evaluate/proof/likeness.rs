@@ -1,8 +1,8 @@
 //! Likeness of a view to the reference, over the part of the image that is formed.
 
-use super::super::{Plane, SimilarityError, psnr, ssim};
 use crate::map::{Formation, ImagePoint};
-use crate::media::Picture;
+use crate::measure::{Plane, SimilarityError, psnr, ssim};
+use crate::picture::Picture;
 
 /// How like the reference a view is, over a [`Region`]; sRGB-encoded values.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -16,13 +16,13 @@ pub use likeness::{Likeness, Region};
 pub use reference::Reference;
 pub use uncompensated::uncompensated_map;
 
-use super::SimilarityError;
-use super::lattice::{LatticeStyle, LatticeStyleError, draw_lattice};
 use crate::map::{Accuracy, Effort, Formation, Map, formation, invert, with_rim};
-use crate::media::optimal::{
+use crate::measure::SimilarityError;
+use crate::measure::lattice::{LatticeStyle, LatticeStyleError, draw_lattice};
+use crate::picture::optimal::{
     OptimalError, ViewSamples, Weighting, optimal_display, scatter_average, view_through,
 };
-use crate::media::{Picture, display_image};
+use crate::picture::{Picture, display_image};
 use crate::scene::Loaded;
 use crate::simulate::Camera;
 use crate::transport::{Setup, SetupError};

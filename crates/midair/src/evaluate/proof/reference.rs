@@ -1,6 +1,6 @@
 //! What should be seen.
 
-use crate::media::optimal::ViewRays;
+use crate::picture::optimal::ViewRays;
 use crate::scene::Loaded;
 use crate::simulate::Camera;
 use crate::transport::Setup;

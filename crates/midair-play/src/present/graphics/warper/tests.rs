@@ -3,8 +3,8 @@
 use super::*;
 use crate::letters::{extent, overlay};
 use midair::map::Map;
-use midair::media::{Filter, Overflow};
 use midair::optics::screen::{Response, Screen};
+use midair::picture::{Filter, Overflow};
 use proptest::prelude::*;
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Bgra8Unorm;

@@ -1,0 +1,64 @@
+//! Films, by way of ffmpeg: decoded to raw frames, and raw frames encoded, each with its own time.
+//!
+//! ffmpeg and ffprobe (5.1 or later) run as sub-processes, so that every codec that they know can be read and
+//! written; what they complain of is passed on. Frames travel as packed RGB of 8 or 16 bits, between YUV and RGB by the film's own matrix.
+
+mod decode;
+mod encode;
+mod matroska;
+mod probe;
+mod tool;
+
+pub use decode::{Decoder, Timing};
+pub use encode::{Encoder, Part, Recipe, join};
+pub use probe::{Film, probe};
+pub use tool::VideoError;
+
+use midair::picture::Curve;
+
+/// How a film's codes stand for light.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Colour {
+    /// ffmpeg's name of the matrix between YUV and RGB, as the film says or as is usual for its size.
+    pub matrix: String,
+    /// ffmpeg's name of the primaries, where the film says.
+    pub primaries: Option<String>,
+    /// ffmpeg's name of the transfer function, where the film says.
+    pub transfer: Option<String>,
+}
+
+impl Colour {
+    /// What a film of this height has if it says nothing: BT.601 below 720 rows, else BT.709.
+    pub fn usual(height: usize) -> Self {
+        let matrix = if height < 720 { "smpte170m" } else { "bt709" };
+        Self { matrix: matrix.to_owned(), primaries: None, transfer: None }
+    }
+
+    /// The curve between codes and light. Films without a wide range are taken as sRGB, as the stills are: a display shows
+    /// both alike.
+    pub fn curve(&self) -> Curve {
+        match self.transfer.as_deref() {
+            Some("smpte2084") => Curve::Pq,
+            Some("arib-std-b67") => Curve::Hlg,
+            Some("linear") => Curve::Linear,
+            _ => Curve::Srgb,
+        }
+    }
+
+    /// The matrix as ffmpeg's scale filter calls it.
+    fn scale_matrix(&self) -> &'static str {
+        match self.matrix.as_str() {
+            "bt709" => "bt709",
+            "bt2020nc" | "bt2020c" => "bt2020",
+            "fcc" => "fcc",
+            "smpte240m" => "smpte240m",
+            _ => "bt601",
+        }
+    }
+}
+
+/// Between YUV and RGB as exactly as ffmpeg can.
+const SCALE_FLAGS: &str = "bicubic+accurate_rnd+full_chroma_int+full_chroma_inp";
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,26 @@
+//! Pictures in linear light, and applying a map to stills and frames.
+
+mod brightness;
+mod curve;
+mod interpolate;
+mod linear;
+pub mod optimal;
+mod resample;
+mod screen;
+mod sequence;
+mod still;
+mod warp;
+
+pub use crate::map::format::FileError;
+pub use crate::optics::srgb;
+pub use brightness::{Evened, Evening, Overflow, even_out};
+pub use curve::Curve;
+pub use linear::Picture;
+pub use resample::{display_image, display_image_by_colour};
+pub use screen::{Driven, drive, emitted};
+pub use sequence::Sequence;
+pub use still::{Depth, Still, decode_still, read_still, write_still};
+pub use warp::{
+    DeepScratch, Drive, Filter, FixedPoint, FrameEvening, HEADROOM, LightFrame, NO_TAP, Warp,
+    WarpError,
+};
