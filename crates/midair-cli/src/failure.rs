@@ -44,6 +44,13 @@ impl From<FileError> for Failure {
             FileError::Malformed { path, place, problem, remedy } => {
                 Self::new(format!("{}: {place}: {problem}", path.display()), remedy)
             }
+            FileError::SourceUnknown { path } => Self::new(
+                format!(
+                    "{}: this kind of map holds pixels of the picture, whose size is not known",
+                    path.display()
+                ),
+                "add --source WxH, the picture's size in pixels",
+            ),
             FileError::Unsupported { path, problem, remedy } => {
                 Self::new(format!("{}: {problem}", path.display()), remedy)
             }

@@ -3,7 +3,7 @@
 use crate::brightness::Brightness;
 use midair::evaluate::proof::uncompensated_map;
 use midair::geometry::Vec3;
-use midair::map::{Accuracy, Inverse, with_rim};
+use midair::map::{Accuracy, Inverse};
 use midair::picture::{Filter, FrameEvening, Overflow, Warp};
 use midair::scene::Loaded;
 use midair::transport::Setup;
@@ -259,7 +259,7 @@ impl Known {
         setup.viewpoint =
             request.viewpoint.unwrap_or_else(|| Vec3::from_array(loaded.scene.viewpoint));
         let warp = if request.uncompensated {
-            let map = with_rim(&uncompensated_map(loaded, setup));
+            let map = uncompensated_map(loaded, setup);
             Warp::new(&map, request.source, Filter::Bilinear)
         } else {
             let inverse = Inverse::new(setup, Accuracy { tolerance: LIVE_TOLERANCE });

@@ -1,7 +1,7 @@
 //! Colour and brightness, proved with the full simulator: what `--gain` and `--per-channel` promise.
 
 use midair::evaluate::colour::fringes;
-use midair::map::{Accuracy, Map, bleed, invert};
+use midair::map::{Accuracy, Map, invert};
 use midair::measure::lattice::LatticeStyle;
 use midair::optics::plate::{SlitMirror, SlitMirrorPlate};
 use midair::picture::{Overflow, Picture, display_image, display_image_by_colour, even_out};
@@ -35,9 +35,8 @@ fn scene_of(azimuth: f64, element: &str, pixels: usize) -> Loaded {
     load(&file).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The map, going on by a pixel so that the display's interpolation finds no dark neighbours at the region's edge.
 fn map_of(setup: &Setup) -> Map {
-    bleed(&invert(setup, Accuracy::default()).0, 1)
+    invert(setup, Accuracy::default()).0
 }
 
 fn seen(setup: &Setup, display: &Picture, size: [usize; 2], samples_per_pixel: u32) -> Render {

@@ -10,7 +10,7 @@ use midair::evaluate::eyebox::{Remaining, compromise, region, remaining, two_eye
 use midair::evaluate::proof::{Watch as _, view_size};
 use midair::geometry::Vec3;
 use midair::map::format::Format;
-use midair::map::{Accuracy, Map, invert, with_rim};
+use midair::map::{Accuracy, Map, invert};
 use midair::picture::{display_image, write_still};
 use midair::transport::Setup;
 use serde_json::{Value, json};
@@ -99,7 +99,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         notes.push("no display pixel reaches the image from any of the viewpoints".to_owned());
     }
     if let Some(still) = &still {
-        let display = display_image(&still.picture, &with_rim(&map));
+        let display = display_image(&still.picture, &map);
         output.write("display.png", |path| write_still(path, &display, still.depth))?;
     }
     let source = match &still {

@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::summary::{Counts, Voice, milliseconds, paths, timings, wrote};
 use clap::Subcommand;
-use midair::map::format::{Format, read_map, write_map_and_gain};
+use midair::map::format::{FileError, Format, read_map, write_map_and_gain};
 use midair::map::{bleed, reversed};
 use serde_json::json;
 use std::path::PathBuf;
@@ -68,16 +68,6 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
 
 fn convert(arguments: &Convert, voice: Voice) -> Result<(), Failure> {
     let given = arguments.source.map(|Size(size)| size);
-    let told = |failure: midair::map::format::FileError| match failure.to_string() {
-        text if given.is_none() && text.contains("whose size is not known") => Failure::new(
-            format!(
-                "{}: this kind of map holds pixels of the picture, whose size is not known",
-                arguments.input.display()
-            ),
-            "add --source WxH, the picture's size in pixels",
-        ),
-        _ => failure.into(),
-    };
     let to = arguments.to.or_else(|| Format::of_path(&arguments.output)).ok_or_else(|| {
         Failure::new(
             format!(
@@ -89,16 +79,10 @@ fn convert(arguments: &Convert, voice: Voice) -> Result<(), Failure> {
     })?;
     let absolute = matches!(to, Format::Ffmpeg | Format::OpenCv | Format::OpenCvYaml);
     if absolute && given.is_none() && !arguments.forward {
-        return Err(Failure::new(
-            format!(
-                "{}: a map of kind {to} holds pixels of the picture, whose size is not known",
-                arguments.output.display()
-            ),
-            "add --source WxH, the picture's size in pixels",
-        ));
+        return Err(FileError::SourceUnknown { path: arguments.output.clone() }.into());
     }
     let start = Instant::now();
-    let loaded = read_map(&arguments.input, arguments.from, given).map_err(told)?;
+    let loaded = read_map(&arguments.input, arguments.from, given)?;
     let mut notes = loaded.notes;
     let (mut map, mut gain) = (loaded.map, loaded.gain);
     let left_out = match to {
@@ -132,10 +116,7 @@ fn convert(arguments: &Convert, voice: Voice) -> Result<(), Failure> {
     let start = Instant::now();
     let written =
         output.write(&name, |path| write_map_and_gain(&map, gain.as_ref(), source, to, path))?;
-    notes.extend(written.notes.into_iter().map(|note| match note.split_once(": ") {
-        Some((_, rest)) => format!("{name}: {rest}"),
-        None => note,
-    }));
+    notes.extend(written.notes.into_iter().map(|note| format!("{name}: {note}")));
     let files = output.finish()?;
     let laps = [("read", read), ("convert", work), ("write", start.elapsed())];
     voice.note(&notes);

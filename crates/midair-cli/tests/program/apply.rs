@@ -1,6 +1,6 @@
 //! `midair apply`, with the real ffmpeg; where that is missing, films are skipped with a note.
 
-use super::{Bench, waves};
+use super::{BALL, Bench, set_up, waves};
 use midair::map::format::{Format, read_map, write_map, write_map_and_gain};
 use midair::map::{Gain, Map, Status};
 use midair::picture::{Depth, display_image, read_still, srgb, write_still};
@@ -85,6 +85,68 @@ fn a_still_is_what_compensate_would_show() {
     }
     bench.succeed(&["apply", "map.exr", "r.exr", "shown.exr"]);
     assert_eq!(read_still(&bench.path("shown.exr")).unwrap().depth, Depth::Float);
+}
+
+/// The ring beyond the map's answers, which interpolation needs, is drawn by both; from files that hold u and v in single precision or better,
+/// to the byte.
+#[test]
+fn apply_draws_what_compensate_drew() {
+    let bench = Bench::new();
+    // Larger than what the ball makes of the image, so that the coverage ends on the display.
+    let display = "[display]\nresolution = [256, 256]\nsize = [60.0, 60.0]\n";
+    bench.write("ball.toml", set_up(&format!("{display}{BALL}")));
+    for (depth, name) in
+        [(Depth::Eight, "p.png"), (Depth::Sixteen, "q.png"), (Depth::Float, "r.exr")]
+    {
+        write_still(&bench.path(name), &waves(200, 160), depth).unwrap();
+    }
+    let kinds = ["exr", "npy", "blender", "touchdesigner"];
+    let maps = ["map.exr", "map.npy", "map-blender.exr", "map-touchdesigner.exr"];
+    let mut compared = 0;
+    for gain in [None, Some("fit"), Some("clip"), Some("soft")] {
+        for (name, bleed) in [("p.png", "0"), ("q.png", "0"), ("r.exr", "0"), ("p.png", "5")] {
+            let mut compensate = vec!["compensate", "ball.toml", "--image", name, "--out", "out"];
+            let list = kinds.join(",");
+            compensate.extend(["--bleed", bleed, "--format", &list]);
+            gain.into_iter().for_each(|mode| compensate.extend(["--gain", mode]));
+            bench.succeed(&compensate);
+            let shown = read_still(&bench.path("out/display.png")).unwrap().picture;
+            let map = read_map(&bench.path("out/map.exr"), None, None).unwrap().map;
+            let lit = shown.pixels.iter().filter(|pixel| pixel[3] > 0.0).count();
+            let covered = map.status.iter().filter(|status| status.is_answered()).count();
+            assert!(covered > 5000 && lit > covered + 200 && lit < 256 * 256, "{covered} {lit}");
+            for (kind, map) in kinds.into_iter().zip(maps) {
+                let map = format!("out/{map}");
+                let mut apply = vec!["apply", &map, name, "shown.png", "--from", kind];
+                match gain {
+                    // Only this kind has a place for it.
+                    Some(_) if kind != "exr" => continue,
+                    Some(mode) => apply.extend(["--gain", mode]),
+                    None => {}
+                }
+                bench.succeed(&apply);
+                let [a, b] =
+                    ["out/display.png", "shown.png"].map(|p| std::fs::read(bench.path(p)).unwrap());
+                assert!(a == b, "{name} by {kind}, gain {gain:?}, bleed {bleed}");
+                compared += 1;
+            }
+        }
+    }
+    assert_eq!(compared, 4 * 4 + 3 * 4);
+    // The others place image points more coarsely, but know as well where the image ends.
+    let white = midair::media::Picture::filled(8, 8, [1.0; 4]);
+    write_still(&bench.path("white.png"), &white, Depth::Eight).unwrap();
+    let all: Vec<String> = Format::all().map(|format| format.to_string()).collect();
+    let list = all.join(",");
+    bench.succeed(&[
+        "compensate", "ball.toml", "--image", "white.png", "--out", "all", "--bleed", "4", "--format", &list,
+    ]);
+    let display = read_still(&bench.path("all/display.png")).unwrap().picture;
+    for format in Format::all() {
+        let map = format!("all/{}", format.file_name());
+        bench.succeed(&["apply", &map, "white.png", "shown.png", "--from", format.name()]);
+        assert_eq!(read_still(&bench.path("shown.png")).unwrap().picture, display, "{format}");
+    }
 }
 
 #[test]

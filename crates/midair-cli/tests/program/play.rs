@@ -2,7 +2,7 @@
 
 use super::{BALL, Bench, set_up, waves};
 use midair::geometry::Vec3;
-use midair::map::{Accuracy, Gain, Map, invert, with_rim};
+use midair::map::{Accuracy, Gain, Map, bleed, invert};
 use midair::picture::{
     Depth, Drive, Evening, Filter, LightFrame, Overflow, Warp, read_still, srgb, write_still,
 };
@@ -181,15 +181,25 @@ impl Stage {
 
     fn shown_to(&self, x: f64, y: f64, z: f64) -> Vec<u8> {
         let setup = Setup { viewpoint: Vec3::new(x, y, z), ..self.setup.clone() };
-        self.through(&with_rim(&invert(&setup, Accuracy::default()).0))
+        self.through(&invert(&setup, Accuracy::default()).0)
     }
 
-    /// The map for an eye, and its gain pixel by pixel, both with their rim.
+    /// The map for an eye, going on by one ring, and the gain of each of its pixels.
     fn gain(&self, eye: Vec3) -> (Map, Gain) {
         let setup = Setup { viewpoint: eye, ..self.setup.clone() };
         let (map, _) = invert(&setup, Accuracy::default());
         let gain = midair::simulate::gain(&setup, &Plate::Ideal, &map);
-        (with_rim(&map), gain.with_rim())
+        let known = |pixel: &usize| map.answer(*pixel).is_some();
+        let mut ringed = gain.clone();
+        for (i, rgb) in ringed.rgb.iter_mut().enumerate().filter(|(i, _)| !known(i)) {
+            let around = |at: usize| at.saturating_sub(1)..(at + 2).min(SIDE);
+            let beside = around(i / SIDE).flat_map(|y| around(i % SIDE).map(move |x| y * SIDE + x));
+            let beside: Vec<_> = beside.filter(known).map(|pixel| gain.rgb[pixel]).collect();
+            *rgb = [0, 1, 2].map(|c| {
+                beside.iter().map(|rgb| rgb[c]).sum::<f32>() / beside.len() as f32
+            });
+        }
+        (bleed(&map, 1), ringed)
     }
 
     /// What the display shows to an eye with the gain divided out of each of its pixels' light. White is as bright as the scene's own

@@ -86,14 +86,13 @@ pub struct Remaining {
 /// `size` mm large. Both maps are of one size.
 pub fn remaining(shown: &Map, own: &Map, size: [f64; 2]) -> Remaining {
     let (mut pixels, mut sum, mut squares, mut max) = (0, 0.0, 0.0, 0.0f64);
-    for (a, b) in shown.uv.iter().zip(&own.uv) {
+    for pixel in 0..shown.uv.len().min(own.uv.len()) {
+        let (Some(a), Some(b)) = (shown.answer(pixel), own.answer(pixel)) else { continue };
         let off = ((a[0] - b[0]) * size[0]).hypot((a[1] - b[1]) * size[1]);
-        if off.is_finite() {
-            pixels += 1;
-            sum += off;
-            squares += off * off;
-            max = max.max(off);
-        }
+        pixels += 1;
+        sum += off;
+        squares += off * off;
+        max = max.max(off);
     }
     let count = f64::from(pixels);
     let max = if pixels > 0 { max } else { f64::NAN };

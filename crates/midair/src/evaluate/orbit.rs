@@ -5,7 +5,7 @@
 use super::proof::displacement::interpolated;
 use super::proof::{ProofError, Watch};
 use crate::geometry::Vec3;
-use crate::map::{Accuracy, Map, invert, with_rim};
+use crate::map::{Accuracy, Map, invert};
 use crate::measure::Plane;
 use crate::measure::lattice::{Displacement, LatticeStyle, detect, displacement, draw_lattice};
 use crate::picture::optimal::{ViewSamples, view_through};
@@ -74,7 +74,7 @@ pub fn orbit(
     let drawn = draw_lattice(columns, rows, &settings.lattice)?;
     let (fixed, _) = invert(setup, Accuracy::default());
     let shown = picture.unwrap_or(&drawn);
-    let fixed_display = display_image(shown, &with_rim(&fixed));
+    let fixed_display = display_image(shown, &fixed);
     let mut stations = Vec::with_capacity(azimuths.len());
     for &azimuth in azimuths {
         let eye = eye_at(setup, azimuth);
@@ -100,7 +100,7 @@ pub fn orbit(
             azimuth,
             eye,
             fixed: seen(&fixed_display, setup)?,
-            tracked: seen(&display_image(shown, &with_rim(&tracked)), &there)?,
+            tracked: seen(&display_image(shown, &tracked), &there)?,
         });
         watch.advance(1);
     }

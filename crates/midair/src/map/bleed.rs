@@ -1,11 +1,7 @@
-//! A map that goes on a little beyond the region that it covers.
+//! Beyond a map's coverage: the ring that a display draws, and the continuation for tools that interpolate.
 
+use super::model::is_finite;
 use super::{Gain, Map};
-
-/// Whether a pixel's uv is known.
-fn is_known(uv: &[f64; 2]) -> bool {
-    uv.iter().all(|value| value.is_finite())
-}
 
 /// The eight neighbours: columns and rows away.
 fn around() -> impl Iterator<Item = (isize, isize)> {
@@ -21,7 +17,7 @@ pub(crate) const REACH: usize = 2;
 /// The mean of the straight continuations through its neighbours, in those of the eight directions where two pixels in line are known, or
 /// else of the known neighbours; `None` where no neighbour is known.
 pub(crate) fn continued(uv: impl Fn(isize, isize) -> Option<[f64; 2]>) -> Option<[f64; 2]> {
-    let known = |dx, dy| uv(dx, dy).filter(is_known);
+    let known = |dx, dy| uv(dx, dy).filter(|&uv| is_finite(uv));
     let (mut straight, mut straights) = ([0.0; 2], 0.0);
     let (mut near, mut nears) = ([0.0; 2], 0.0);
     for (dx, dy) in around() {
@@ -57,8 +53,8 @@ pub fn bleed(map: &Map, rings: usize) -> Map {
     let mut front: Vec<usize> = (0..bled.uv.len())
         .filter(|&i| {
             let (x, y) = place(i);
-            let known = |(dx, dy)| at(x + dx, y + dy).is_some_and(|j| is_known(&bled.uv[j]));
-            !is_known(&bled.uv[i]) && around().any(known)
+            let known = |(dx, dy)| at(x + dx, y + dy).is_some_and(|j| is_finite(bled.uv[j]));
+            !is_finite(bled.uv[i]) && around().any(known)
         })
         .collect();
     for _ in 0..rings {
@@ -78,7 +74,7 @@ pub fn bleed(map: &Map, rings: usize) -> Map {
                 let (x, y) = place(i);
                 around().filter_map(move |(dx, dy)| at(x + dx, y + dy))
             })
-            .filter(|&i| !is_known(&bled.uv[i]))
+            .filter(|&i| !is_finite(bled.uv[i]))
             .collect();
         next.sort_unstable();
         next.dedup();
@@ -87,15 +83,45 @@ pub fn bleed(map: &Map, rings: usize) -> Map {
     bled
 }
 
-/// The map to colour a display through: one ring wider than its answers. Between the outermost answered pixel's centre and the next one's
-/// the display shows a mean of both, so an image would end in a dark rim, half a pixel wide, if the next one stayed black.
-pub fn with_rim(map: &Map) -> Map {
-    bleed(map, 1)
+/// An image point to the precision in which maps are drawn: that of a 32-bit float, which is what map files hold. So a map draws the same
+/// picture before it was written and after it was read. Half a step is 3e-8 of the image, far below a map's own error bound.
+#[inline(always)]
+pub(crate) fn to_drawn_precision(uv: [f64; 2]) -> [f64; 2] {
+    uv.map(|value| f64::from(value as f32))
+}
+
+impl Map {
+    /// The image point that a display pixel shows: its answer, or, in the one ring of pixels around the coverage, the answers' straight
+    /// continuation. Between the outermost answered pixel's centre and the next one's a display shows a mean of both, so an image
+    /// would end in a dark rim, half a pixel wide, if the next one stayed dark.
+    ///
+    /// All that draws draws this. A [`continuation`](Self::continuation) that the map may have is not looked at: it is for other tools, and of
+    /// any width.
+    ///
+    /// # Panics
+    /// Where the map has no such pixel.
+    #[inline]
+    pub fn drawn(&self, column: usize, row: usize) -> Option<[f64; 2]> {
+        match self.answer(row * self.width + column) {
+            Some(uv) => Some(to_drawn_precision(uv)),
+            None => self.ring(column, row),
+        }
+    }
+
+    #[inline(never)]
+    fn ring(&self, column: usize, row: usize) -> Option<[f64; 2]> {
+        let answer = |dx: isize, dy: isize| {
+            let (x, y) = (column.wrapping_add_signed(dx), row.wrapping_add_signed(dy));
+            let on = x < self.width && y < self.height;
+            on.then(|| self.answer(y * self.width + x)).flatten().map(to_drawn_precision)
+        };
+        continued(answer).map(to_drawn_precision)
+    }
 }
 
 impl Gain {
-    /// The gain for a display coloured through [`with_rim`]: in the ring around what is known it is the mean of the known neighbours.
-    pub fn with_rim(&self) -> Self {
+    /// The gain of all pixels that are [drawn](Map::drawn): in the ring around what is known it is the mean of the known neighbours.
+    pub(crate) fn with_ring(&self) -> Self {
         let mut wider = self.clone();
         for (index, rgb) in
             wider.rgb.iter_mut().enumerate().filter(|(_, rgb)| !Self::is_answered(rgb))
@@ -183,10 +209,45 @@ mod tests {
     }
 
     #[test]
+    fn what_is_drawn_is_the_answers_and_one_ring_whatever_the_continuation() {
+        // Numbers of few bits, so that no precision is lost.
+        let (map, whole) = disc(32, 0.25, |[s, t]| [0.5 * s + 0.25 * t, 0.75 * t]);
+        let mut drawn = 0;
+        let covered = |x: isize, y: isize| {
+            let on = (0..32).contains(&x) && (0..32).contains(&y);
+            on && map.status[(32 * y + x) as usize].is_answered()
+        };
+        for map in [bleed(&map, 0), bleed(&map, 1), bleed(&map, 9)] {
+            for i in 0..32 * 32 {
+                let (x, y) = ((i % 32) as isize, (i / 32) as isize);
+                let near = (-1..=1).any(|dy| (-1..=1).any(|dx| covered(x + dx, y + dy)));
+                assert_eq!(map.drawn(i % 32, i / 32), near.then_some(whole.uv[i]));
+                assert_eq!(map.answer(i), covered(x, y).then_some(whole.uv[i]));
+                let beyond = map.uv[i][0].is_finite() && !covered(x, y);
+                assert_eq!(map.continuation(i), beyond.then_some(map.uv[i]));
+                drawn += usize::from(near && !covered(x, y));
+            }
+        }
+        // A disc of radius 8 has a ring of about 2 pi 8.5 pixels; three times.
+        assert!(drawn > 3 * 50, "{drawn}");
+    }
+
+    #[test]
+    fn a_map_of_single_precision_draws_what_the_one_of_double_precision_does() {
+        let (map, _) = disc(50, 0.31, |[s, t]| [s / 3.0 + 0.1 * t * s, t / 1.7 - 0.01 * s * s]);
+        let mut single = map.clone();
+        single.uv.iter_mut().flatten().for_each(|value| *value = f64::from(*value as f32));
+        assert_ne!(single, map);
+        for i in 0..50 * 50 {
+            assert_eq!(single.drawn(i % 50, i / 50), map.drawn(i % 50, i / 50));
+        }
+    }
+
+    #[test]
     fn a_gain_is_continued_by_one_ring() {
         let nan = [f32::NAN; 3];
         let rgb = vec![nan, [0.5, 0.25, 1.0], [0.25, 0.25, 0.5], nan, nan];
-        let wider = Gain { width: 5, height: 1, rgb }.with_rim();
+        let wider = Gain { width: 5, height: 1, rgb }.with_ring();
         assert_eq!(
             wider.rgb[..4],
             [[0.5, 0.25, 1.0], [0.5, 0.25, 1.0], [0.25, 0.25, 0.5], [0.25, 0.25, 0.5]]

@@ -10,8 +10,8 @@ mod model;
 mod reverse;
 mod splat;
 
-pub(crate) use bleed::{REACH, continued};
-pub use bleed::{bleed, with_rim};
+pub use bleed::bleed;
+pub(crate) use bleed::{REACH, continued, to_drawn_precision};
 pub use formation::{Formation, ImagePoint, formation};
 pub use forward::forward;
 pub use image_gain::ImageGain;

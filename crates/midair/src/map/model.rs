@@ -30,14 +30,18 @@ impl Status {
 }
 
 /// Display st -> image uv, one sample at each display pixel's centre.
+///
+/// The *coverage* is the pixels with an answer, as their status says ([`answer`](Self::answer)). Beyond it there may be a
+/// *continuation* ([`continuation`](Self::continuation)): values for tools that interpolate between a map's pixels, made by
+/// [`bleed`](super::bleed()). What a display shows depends on the coverage alone: [`drawn`](Self::drawn).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map {
     /// Display pixels in a row.
     pub width: usize,
     /// Rows.
     pub height: usize,
-    /// Image coordinates (u right, v up, both in \[0, 1\]); row 0 is the display's top row, row-major;
-    /// NaN where the status is neither `Ok` nor `Folded`.
+    /// Image coordinates (u right, v up); row 0 is the display's top row, row-major. In \[0, 1\] where the status is `Ok` or
+    /// `Folded`; elsewhere NaN, or the continuation.
     pub uv: Vec<[f64; 2]>,
     /// Each pixel's status, in the order of `uv`.
     pub status: Vec<Status>,
@@ -58,6 +62,20 @@ impl Map {
         }
     }
 
+    /// The image point of a pixel that has one of its own: what the map covers.
+    #[inline]
+    pub fn answer(&self, pixel: usize) -> Option<[f64; 2]> {
+        let uv = self.uv[pixel];
+        (self.status[pixel].is_answered() && is_finite(uv)).then_some(uv)
+    }
+
+    /// The value of a pixel beyond the coverage, where there is one.
+    #[inline]
+    pub fn continuation(&self, pixel: usize) -> Option<[f64; 2]> {
+        let uv = self.uv[pixel];
+        (!self.status[pixel].is_answered() && is_finite(uv)).then_some(uv)
+    }
+
     /// The identity: every pixel shows the image point at its own place.
     pub fn identity(width: usize, height: usize) -> Self {
         let uv = (0..height)
@@ -65,6 +83,12 @@ impl Map {
             .collect();
         Self { width, height, uv, status: vec![Status::Ok; width * height], error_bound: 0.0 }
     }
+}
+
+/// Whether uv are numbers.
+#[inline]
+pub(crate) fn is_finite(uv: [f64; 2]) -> bool {
+    uv[0].is_finite() & uv[1].is_finite()
 }
 
 /// What is left of each display pixel's light when it reaches the viewpoint.

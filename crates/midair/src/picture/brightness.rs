@@ -40,7 +40,8 @@ pub struct Evened {
     pub clipped: f64,
 }
 
-/// A gain made ready to be divided out of one display image after another, at one level.
+/// A gain made ready to be divided out of one display image after another, at one level: of all pixels that are
+/// [drawn](crate::map::Map::drawn), in the ring around the gain's own pixels by the mean of those beside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evening {
     /// What the light of each pixel and colour is multiplied by: level over gain; 1 where there is no answer.
@@ -63,6 +64,7 @@ impl Evening {
 
     /// The level that lets a display image be shown as `overflow` says.
     fn new(gain: &Gain, overflow: Overflow, image: impl Iterator<Item = [f32; 3]>) -> Self {
+        let gain = &gain.with_ring();
         let answered = || gain.rgb.iter().filter(|gain| Gain::is_answered(gain));
         let level = match overflow {
             Overflow::Fit => image

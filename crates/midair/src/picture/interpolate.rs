@@ -69,11 +69,12 @@ impl<'a> Sampler<'a> {
 #[inline]
 fn cubic_taps(x: f64, size: usize) -> (isize, [f32; 4]) {
     let x = x.clamp(0.0, (size - 1) as f64);
-    // A coordinate that is a pixel's centre but for the rounding of uv to a double is that centre:
-    // then the pixel comes back bit for bit. 1e-9 px is far below a float's step.
+    // A coordinate that is a pixel's centre but for the rounding of uv to single precision (2^-25 of the picture) is that
+    // centre: then the pixel comes back bit for bit.
     // (Truncation is the floor of what is not negative, and needs no call to a library.)
     let nearest = (x + 0.5) as isize;
-    let x = if (x - nearest as f64).abs() < 1e-9 { nearest as f64 } else { x };
+    let rounding = size as f64 / f64::from(1 << 24);
+    let x = if (x - nearest as f64).abs() < rounding { nearest as f64 } else { x };
     let below = x as isize;
     (below, cubic_weights((x - below as f64) as f32))
 }

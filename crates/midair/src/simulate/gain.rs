@@ -12,17 +12,12 @@ use rayon::prelude::*;
 ///
 /// Light that reflections bring besides is left out: it is what the viewer sees as reflections.
 pub fn gain(setup: &Setup, plate: &Plate, map: &Map) -> Gain {
-    let of_pixel = |path: &mut Path, uv: [f64; 2]| -> Option<[f32; 3]> {
-        // NaN: no answer.
-        if uv.iter().any(|c| !c.is_finite()) {
-            return None;
-        }
-        Some(arriving(setup, plate, uv, path)?.1.map(|share| share as f32))
+    let of_pixel = |path: &mut Path, pixel: usize| -> Option<[f32; 3]> {
+        Some(arriving(setup, plate, map.answer(pixel)?, path)?.1.map(|share| share as f32))
     };
-    let rgb = map
-        .uv
-        .par_iter()
-        .map_init(Path::new, |path, &uv| of_pixel(path, uv).unwrap_or([f32::NAN; 3]))
+    let rgb = (0..map.uv.len())
+        .into_par_iter()
+        .map_init(Path::new, |path, pixel| of_pixel(path, pixel).unwrap_or([f32::NAN; 3]))
         .collect();
     Gain { width: map.width, height: map.height, rgb }
 }
@@ -150,7 +145,7 @@ fn is_bent(coarse: &[[f32; 3]], [column, row]: [usize; 2]) -> bool {
 fn continued(nodes: Gain) -> Gain {
     match nodes.rgb.iter().all(Gain::is_answered) {
         true => nodes,
-        false => nodes.with_rim().with_rim(),
+        false => nodes.with_ring().with_ring(),
     }
 }
 

@@ -94,13 +94,6 @@ impl Arguments {
     fn read_map(&self, size: [usize; 2]) -> Result<Ready, Failure> {
         let size = self.source.map_or(size, |Size(size)| size);
         let loaded = read_map(&self.map, self.from, Some(size))?;
-        let mut map = loaded.map;
-        // What a map says beyond its covered region is for tools that interpolate; the display stays dark there.
-        for (uv, status) in map.uv.iter_mut().zip(&map.status) {
-            if !status.is_answered() {
-                *uv = [f64::NAN; 2];
-            }
-        }
         let gain = match loaded.gain {
             None if self.gain.is_some() => {
                 return Err(Failure::new(
@@ -111,7 +104,7 @@ impl Arguments {
             Some(gain) if !self.no_gain => Some((gain, self.gain.unwrap_or(GainMode::Fit))),
             _ => None,
         };
-        Ok(Ready { map, gain, notes: loaded.notes })
+        Ok(Ready { map: loaded.map, gain, notes: loaded.notes })
     }
 }
 

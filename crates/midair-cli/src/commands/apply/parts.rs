@@ -91,7 +91,9 @@ impl Job {
 fn description(arguments: &Arguments, map: &Map) -> Value {
     let mut hasher = DefaultHasher::new();
     (map.width, map.height).hash(&mut hasher);
-    map.uv.iter().flatten().for_each(|value| value.to_bits().hash(&mut hasher));
+    for pixel in 0..map.uv.len() {
+        map.answer(pixel).map(|uv| uv.map(f64::to_bits)).hash(&mut hasher);
+    }
     let state = std::fs::metadata(&arguments.input).ok();
     let changed = state.as_ref().and_then(|state| state.modified().ok());
     let changed = changed.and_then(|time| time.duration_since(std::time::UNIX_EPOCH).ok());

@@ -10,7 +10,6 @@ use midair::map::format::{Format, write_channels, write_map_and_gain};
 use midair::map::{Accuracy, Gain, Map, Status, invert, splat};
 use midair::transport::Setup;
 use serde_json::{Value, json};
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// A map and what it took.
@@ -112,13 +111,10 @@ pub fn write_maps(
         let name = format.file_name().replacen("map", name, 1);
         let written =
             output.write(&name, |path| write_map_and_gain(map, gain, source, format, path))?;
-        // The note may begin with the file's name, which is not yet the final one.
-        notes.extend(written.notes.into_iter().map(|note| match note.split_once(": ") {
-            Some((file, rest)) if Path::new(file).ends_with(&name) => {
-                format!("{name}: {rest}")
-            }
-            _ => note,
-        }));
+        notes.extend(written.notes.into_iter().map(|note| format!("{name}: {note}")));
+        if gain.is_some() && !matches!(format, Format::Exr | Format::ExrHalf) {
+            notes.push(format!("{name}: this kind of map has no place for the gain; map.exr has"));
+        }
     }
     Ok(notes)
 }

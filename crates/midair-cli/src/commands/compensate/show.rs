@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::summary::percent;
 use midair::evaluate::proof::{Reference, view_size};
-use midair::map::{Gain, Map, with_rim};
+use midair::map::{Gain, Map};
 use midair::picture::optimal::{Weighting, optimal_display, view_through};
 use midair::picture::{
     Depth, Picture, Still, display_image, display_image_by_colour, drive, even_out, write_still,
@@ -54,7 +54,7 @@ pub fn finish(loaded: &Loaded, light: Picture, evening: Option<(GainMode, &[Gain
     let mut told = json!({});
     if let Some((mode, gains)) = evening {
         let gain = merged(gains);
-        let evened = even_out(&display, &gain.with_rim(), mode.overflow());
+        let evened = even_out(&display, &gain, mode.overflow());
         display = evened.display;
         let range = gain.range();
         let [least, most] = range.unwrap_or_default();
@@ -91,10 +91,10 @@ pub fn finish(loaded: &Loaded, light: Picture, evening: Option<(GainMode, &[Gain
 /// The picture through the maps.
 pub fn colour(picture: &Picture, solutions: &Solutions) -> Picture {
     if !solutions.by_colour() {
-        return display_image(picture, &with_rim(&solutions.main().map));
+        return display_image(picture, &solutions.main().map);
     }
-    let maps = [0, 1, 2].map(|c| with_rim(&solutions.of_colour(c).map));
-    display_image_by_colour(picture, maps.each_ref())
+    let maps = [0, 1, 2].map(|c| &solutions.of_colour(c).map);
+    display_image_by_colour(picture, maps)
 }
 
 /// The display image whose view comes nearest to what would be seen with no object in the way.

@@ -3,7 +3,7 @@
 use super::super::proof::displacement::Sight;
 use super::super::proof::{ProofError, view_size};
 use super::{coarse, shows};
-use crate::map::{Accuracy, Map, invert, with_rim};
+use crate::map::{Accuracy, Map, invert};
 use crate::measure::lattice::{LatticeStyle, draw_lattice};
 use crate::picture::optimal::{ViewSamples, view_through};
 use crate::picture::{Picture, display_image, display_image_by_colour};
@@ -121,9 +121,8 @@ fn close_ups(
 ) -> Result<[Picture; 2], ProofError> {
     let style = LatticeStyle { line: [1.0; 4], ground: [0.0, 0.0, 0.0, 1.0], ..style.clone() };
     let drawn = draw_lattice(DRAWN, DRAWN, &style)?;
-    let three = three.each_ref().map(with_rim);
     let displays =
-        [display_image(&drawn, &with_rim(one)), display_image_by_colour(&drawn, three.each_ref())];
+        [display_image(&drawn, one), display_image_by_colour(&drawn, three.each_ref())];
     let half = 0.5 * CLOSE_UP_SHARE;
     let middle = main.image.point(about.map(|c| c.clamp(half, 1.0 - half)));
     // What a ray meets does not depend on the image: a smaller one is a closer look.

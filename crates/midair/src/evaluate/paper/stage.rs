@@ -1,7 +1,7 @@
 //! What stands before the camera: with and without the object, shown compensated and as it is.
 
 use crate::geometry::{Rectangle, Vec3};
-use crate::map::{Accuracy, Map, invert, with_rim};
+use crate::map::{Accuracy, Map, invert};
 use crate::picture::{Picture, display_image};
 use crate::scene::model::{Material, Shape};
 use crate::scene::{Asset, Loaded};
@@ -125,7 +125,7 @@ impl<'a> Stage<'a> {
         let rows = (columns as f64 * height / width).round();
         setup.resolution = [columns, (rows as usize).clamp(1, 4 * columns)];
         let (map, _) = invert(&setup, Accuracy::default());
-        Ok(Display { place: setup.display, map: with_rim(&map) })
+        Ok(Display { place: setup.display, map })
     }
 
     /// The view of what is shown, with the object or without it; linear light.

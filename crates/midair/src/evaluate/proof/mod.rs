@@ -16,7 +16,7 @@ pub use likeness::{Likeness, Region};
 pub use reference::Reference;
 pub use uncompensated::uncompensated_map;
 
-use crate::map::{Accuracy, Effort, Formation, Map, formation, invert, with_rim};
+use crate::map::{Accuracy, Effort, Formation, Map, formation, invert};
 use crate::measure::SimilarityError;
 use crate::measure::lattice::{LatticeStyle, LatticeStyleError, draw_lattice};
 use crate::picture::optimal::{
@@ -200,7 +200,7 @@ pub fn prove(
     };
     let (display, time) = timed(&|| Ok(display_image(picture, &as_is)))?;
     let uncompensated = shown(display, time)?;
-    let (display, time) = timed(&|| Ok(display_image(picture, &with_rim(&map))))?;
+    let (display, time) = timed(&|| Ok(display_image(picture, &map)))?;
     let compensated = shown(display, time)?;
     let (display, time) = timed(&|| scatter_average(&samples, &reference, width, height))?;
     let scattered = shown(display, time)?;
@@ -217,7 +217,7 @@ pub fn prove(
     let lattice = {
         let sight = displacement::Sight { setup: &setup, map: &map };
         let measure = displacement::Measure::new(&settings.lattice, &flat);
-        let view = view_through(&samples, &display_image(&drawn, &with_rim(&map)))?;
+        let view = view_through(&samples, &display_image(&drawn, &map))?;
         let compensated = measure.shape(view, |uv| sight.compensated(uv), &camera);
         watch.advance(1);
         let view = view_through(&samples, &display_image(&drawn, &as_is))?;

@@ -28,6 +28,12 @@ pub enum FileError {
         /// What the reader can do about it.
         remedy: String,
     },
+    /// A map that holds pixels of its source, whose size nobody told.
+    #[error("{}: this kind of map holds pixels of the picture, whose size is not known; give the picture's width and height in pixels", path.display())]
+    SourceUnknown {
+        /// The file.
+        path: PathBuf,
+    },
     /// What was asked for cannot be put in (or found in) a file of this kind.
     #[error("{}: {problem}; {remedy}", path.display())]
     Unsupported {

@@ -28,12 +28,12 @@ pub enum Format {
     /// `touchdesigner-png`: for the Remap TOP, as `png16`.
     TouchDesignerPng,
     /// `ffmpeg`: for the remap filter. `NAME_x.pgm` and `NAME_y.pgm`, 16 bits: the source's nearest column and row,
-    /// counted from the top left; 65535 where there is no answer.
+    /// counted from the top left; 65535 where there is no answer. Beside them the mask `NAME_coverage.png`.
     Ffmpeg,
     /// `opencv`: for cv2.remap. `NAME_x.npy` and `NAME_y.npy`, float32: the source's pixel coordinates, 0 at the
-    /// centre of the top left pixel, y down; NaN where there is no answer.
+    /// centre of the top left pixel, y down; NaN where there is no answer. Beside them the mask `NAME_coverage.png`.
     OpenCv,
-    /// `opencv-yaml`: the same as matrices `map1` and `map2` of a FileStorage, with the source's size.
+    /// `opencv-yaml`: the same as matrices `map1`, `map2` and `coverage` of a FileStorage, with the source's size.
     OpenCvYaml,
     /// `mpcdi`: MPCDI 2.0, 2D profile. A zip of `mpcdi.xml`, a PFM (x right and y down in \[0, 1\] of the
     /// source, and an unused third value of 1; x and y NaN where there is no answer) and an alpha PNG.

@@ -47,14 +47,14 @@ impl LoadedMap {
 pub struct Written {
     /// The files, the one that was asked for first.
     pub files: Vec<PathBuf>,
-    /// What the user should know, one sentence each.
+    /// What the user should know of the map in this format, one sentence each; the file is not named.
     pub notes: Vec<String>,
 }
 
 /// Writes a map. `source` is the width and height in pixels of what the map leads into; the formats of
 /// absolute pixels need it. Formats of two files derive their names from `path`, see [`Format`].
-/// Each file is whole or absent. Formats that have no place for coverage get a mask beside them, `NAME_coverage.png`, if the map goes
-/// on beyond its covered region (see [`bleed`](super::bleed())).
+/// Each file is whole or absent. Coverage and continuation (see [`Map`]) are kept apart in every format; [`Format::Ffmpeg`] and
+/// [`Format::OpenCv`], which have no place for coverage, have a mask beside them, `NAME_coverage.png` (255 where there is an answer).
 ///
 /// # Errors
 /// [`FileError`] where a file cannot be written, or the map or source does not fit the format.
@@ -99,9 +99,8 @@ pub fn write_map_and_gain(
             stmap::write(map, gain, path, true)?;
             let step = source[0].max(source[1]) as f64 / 2048.0;
             written.notes.push(format!(
-                "{}: half floats place image points in steps of up to {step:.2} source pixels; \
-                 prefer 32-bit floats (exr)",
-                path.display()
+                "half floats place image points in steps of up to {step:.2} source pixels; \
+                 prefer 32-bit floats (exr)"
             ));
         }
         Format::Blender => stmap::write_blender(map, path)?,
@@ -111,26 +110,21 @@ pub fn write_map_and_gain(
             let step = source[0].max(source[1]) as f64 / 65535.0;
             if step > 1.0 / 16.0 {
                 written.notes.push(format!(
-                    "{}: 16 bits place image points in steps of {step:.2} source pixels",
-                    path.display()
+                    "16 bits place image points in steps of {step:.2} source pixels"
                 ));
             }
         }
         Format::Npy => written.files = npy::write(map, path)?,
         Format::Ffmpeg => {
             written.files = ffmpeg::write(map, source, path)?;
-            written.notes.push(format!(
-                "{}: ffmpeg's remap takes the nearest source pixel only",
-                path.display()
-            ));
+            written.notes.push("ffmpeg's remap takes the nearest source pixel only".to_owned());
         }
         Format::OpenCv => written.files = opencv::write_npy(map, source, path)?,
         Format::OpenCvYaml => opencv::write_yaml(map, source, path)?,
         Format::Mpcdi => mpcdi::write(map, source, path)?,
     }
-    let bled =
-        || map.uv.iter().zip(&map.status).any(|(uv, s)| answer(*uv).is_some() && !s.is_answered());
-    if matches!(format, Format::Ffmpeg | Format::OpenCv | Format::OpenCvYaml) && bled() {
+    // Always, so that none of an earlier map stays there.
+    if matches!(format, Format::Ffmpeg | Format::OpenCv) {
         let file = pair::coverage(path);
         png::write_coverage(map, &file)?;
         written.files.push(file);
@@ -156,13 +150,9 @@ pub fn read_map(
     };
     let absolute = || match source {
         Some(source) if !source.contains(&0) => Ok(source),
-        _ => Err(FileError::unsupported(
-            path,
-            "this format holds pixels of the source, whose size is not known",
-            "give the source's width and height in pixels",
-        )),
+        _ => Err(FileError::SourceUnknown { path: path.to_owned() }),
     };
-    let loaded = match format {
+    let mut loaded = match format {
         Format::Exr | Format::ExrHalf => stmap::read(path, &read_bytes(path)?, stmap::Cover::A)?,
         Format::Blender => stmap::read(path, &read_bytes(path)?, stmap::Cover::B)?,
         Format::TouchDesigner => stmap::read(path, &read_bytes(path)?, stmap::Cover::A)?,
@@ -173,6 +163,12 @@ pub fn read_map(
         Format::OpenCvYaml => opencv::read_yaml(path, &read_bytes(path)?, source)?,
         Format::Mpcdi => mpcdi::read(path, &read_bytes(path)?)?,
     };
+    if matches!(format, Format::Ffmpeg | Format::OpenCv) {
+        let file = pair::coverage(path);
+        if file.exists() {
+            png::read_coverage(&mut loaded.map, &file)?;
+        }
+    }
     Ok(loaded)
 }
 

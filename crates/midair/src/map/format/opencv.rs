@@ -1,6 +1,7 @@
 //! Maps for cv2.remap: a pair of arrays, or a FileStorage in YAML.
 
 use super::exr_channels::check_size;
+use super::png::{coverage, uncover};
 use super::{FileError, LoadedMap, answer, npy, pair, write_bytes_atomically};
 use crate::map::{Map, Status};
 use std::fmt::Write;
@@ -40,11 +41,7 @@ pub(super) fn write_yaml(map: &Map, source: [usize; 2], path: &Path) -> Result<(
             "{name}: !!opencv-matrix\n   rows: {rows}\n   cols: {columns}\n   dt: f\n   data: ["
         );
         for (i, value) in coordinates(map, axis, source[axis]).enumerate() {
-            let gap = match i {
-                0 => " ",
-                _ if i % 8 == 0 => ",\n       ",
-                _ => ", ",
-            };
+            let gap = gap(i, 8);
             // `{:?}` gives the shortest text that reads back to the same float.
             let _ = match value.is_nan() {
                 true => write!(text, "{gap}.Nan"),
@@ -53,7 +50,26 @@ pub(super) fn write_yaml(map: &Map, source: [usize; 2], path: &Path) -> Result<(
         }
         text.push_str(" ]\n");
     }
+    let _ = write!(
+        text,
+        "coverage: !!opencv-matrix\n   rows: {}\n   cols: {}\n   dt: u\n   data: [",
+        map.height, map.width
+    );
+    for (i, cover) in coverage(map).into_iter().enumerate() {
+        let gap = gap(i, 16);
+        let _ = write!(text, "{gap}{cover}");
+    }
+    text.push_str(" ]\n");
     write_bytes_atomically(path, text.as_bytes())
+}
+
+/// What stands before a matrix's number, of so many in a line.
+fn gap(index: usize, in_line: usize) -> &'static str {
+    match index {
+        0 => " ",
+        _ if index.is_multiple_of(in_line) => ",\n       ",
+        _ => ", ",
+    }
 }
 
 pub(super) fn read_npy(path: &Path, source: [usize; 2]) -> Result<LoadedMap, FileError> {
@@ -98,11 +114,7 @@ pub(super) fn read_yaml(
     })?;
     let own = || Some([number(text, "source_width")?, number(text, "source_height")?]);
     let Some(source) = own().or(source).filter(|source| !source.contains(&0)) else {
-        return Err(FileError::unsupported(
-            path,
-            "this format holds pixels of the source, whose size is not known",
-            "give the source's width and height in pixels",
-        ));
+        return Err(FileError::SourceUnknown { path: path.to_owned() });
     };
     let (width, height, x) = matrix(path, text, "map1")?;
     let (other_width, other_height, y) = matrix(path, text, "map2")?;
@@ -110,7 +122,18 @@ pub(super) fn read_yaml(
         let problem = format!("{other_width} x {other_height}, but map1 is {width} x {height}");
         return Err(FileError::malformed(path, "map2", problem, "write both from one map"));
     }
-    Ok(from_coordinates(width, height, &x, &y, source))
+    let mut loaded = from_coordinates(width, height, &x, &y, source);
+    // Files of others have none.
+    if text.contains("\ncoverage:") {
+        let (columns, rows, cover) = matrix(path, text, "coverage")?;
+        if (columns, rows) != (width, height) {
+            let problem = format!("{columns} x {rows}, but map1 is {width} x {height}");
+            let remedy = "write all from one map, or leave the coverage out";
+            return Err(FileError::malformed(path, "coverage", problem, remedy));
+        }
+        uncover(&mut loaded.map, cover.iter().map(|&cover| cover > 0.0));
+    }
+    Ok(loaded)
 }
 
 /// The integer after `key:`.

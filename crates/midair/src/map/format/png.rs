@@ -117,6 +117,29 @@ pub(super) fn write_coverage(map: &Map, path: &Path) -> Result<(), FileError> {
     write_png(path, (map.width, map.height), &coverage(map), ExtendedColorType::L8)
 }
 
+/// Takes the answers of pixels that a mask leaves out for a continuation.
+pub(super) fn read_coverage(map: &mut Map, path: &Path) -> Result<(), FileError> {
+    let (mask, _) = decode_samples(path, &read_bytes(path)?, ImageFormat::Png)?;
+    let size = [mask.width() as usize, mask.height() as usize];
+    if size != [map.width, map.height] {
+        let problem =
+            format!("{} x {} pixels, but the map has {} x {}", size[0], size[1], map.width, map.height);
+        let remedy = "write both from one map, or remove the mask";
+        return Err(FileError::malformed(path, "header", problem, remedy));
+    }
+    uncover(map, mask.into_luma8().as_raw().iter().map(|&cover| cover > 0));
+    Ok(())
+}
+
+/// Takes the answers of pixels that are not covered for a continuation.
+pub(super) fn uncover(map: &mut Map, covered: impl Iterator<Item = bool>) {
+    for (status, covered) in map.status.iter_mut().zip(covered) {
+        if !covered && status.is_answered() {
+            *status = Status::Outside;
+        }
+    }
+}
+
 /// See [`write_coverage`].
 pub(super) fn coverage(map: &Map) -> Vec<u8> {
     map.status.iter().map(|&status| if status.is_answered() { 255 } else { 0 }).collect()

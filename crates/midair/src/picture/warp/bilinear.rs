@@ -1,9 +1,11 @@
 //! Bilinear taps of whole rows, and which of their pixels have one.
 
 use super::taps::{ONE, Tap, WEIGHT_BITS};
+use crate::map::to_drawn_precision;
 use std::ops::Range;
 
-/// Writes the taps of a row's pixels, with the widest instructions that this machine has. What is written for a pixel without an
+/// Writes the taps of a row's pixels, with the widest instructions that this machine has. uv are taken to
+/// the [precision](to_drawn_precision) of all that is drawn. What is written for a pixel without an
 /// answer is a tap within the source, of no meaning.
 pub(super) fn tap_row(uv: &[[f64; 2]], source: [usize; 2], taps: &mut [Tap]) {
     #[cfg(target_arch = "x86_64")]
@@ -49,6 +51,7 @@ fn tap_row_avx2(uv: &[[f64; 2]], source: [usize; 2], taps: &mut [Tap]) {
             // SAFETY: two pixels are four numbers; the load needs no alignment.
             unsafe { _mm256_loadu_pd(two.as_ptr().cast()) }
         });
+        let [low, high] = [low, high].map(|uv| _mm256_cvtps_pd(_mm256_cvtpd_ps(uv)));
         // Pixels 0, 2, 1, 3.
         let (u, v) = (_mm256_unpacklo_pd(low, high), _mm256_unpackhi_pd(low, high));
         let (column, x) = split!(_mm256_sub_pd(_mm256_mul_pd(u, size[0]), half), 0);
@@ -69,7 +72,8 @@ fn tap_row_plain(uv: &[[f64; 2]], source: [usize; 2], taps: &mut [Tap]) {
     let size = [source[0] as f64, source[1] as f64];
     let most = [source[0].saturating_sub(2) as u64, source[1].saturating_sub(2) as u64];
     let columns = source[0] as u32;
-    for (tap, &[u, v]) in taps.iter_mut().zip(uv) {
+    for (tap, &uv) in taps.iter_mut().zip(uv) {
+        let [u, v] = to_drawn_precision(uv);
         let (column, x) = split(u * size[0] - 0.5, size[0] - 1.0, most[0]);
         let (row, y) = split((1.0 - v) * size[1] - 0.5, size[1] - 1.0, most[1]);
         *tap = Tap { pixel: row.wrapping_mul(columns).wrapping_add(column), x, y };
@@ -152,6 +156,7 @@ mod tests {
                 if !(uv[0].is_finite() && uv[1].is_finite()) {
                     continue;
                 }
+                let uv = to_drawn_precision(*uv);
                 let wanted = [
                     (uv[0] * width as f64 - 0.5).clamp(0.0, (width - 1) as f64),
                     ((1.0 - uv[1]) * height as f64 - 0.5).clamp(0.0, (height - 1) as f64),

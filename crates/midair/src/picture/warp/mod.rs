@@ -100,8 +100,7 @@ impl Warp {
         Ok(Self { width: map.width, height: map.height, source, plan, tables })
     }
 
-    /// Prepares an inverse for bilinear warping, one ring of pixels wider than its answers as by [`with_rim`](crate::map::with_rim), in the
-    /// memory of a warp that is no longer needed: what a show does that follows its viewer. Each row of the map is there only while taps
+    /// Prepares an inverse for bilinear warping, of all pixels that its map would [draw](Map::drawn), in the memory of a warp that is no longer needed: what a show does that follows its viewer. Each row of the map is there only while taps
     /// are made of it, so that of all that is computed for a new viewpoint the taps alone go to memory.
     ///
     /// # Errors

@@ -74,8 +74,10 @@ impl Plan {
         let line = map.width.max(1);
         let spans = taps
             .par_chunks_mut(line)
-            .zip(map.uv.par_chunks(line))
-            .map(|(taps, uv)| {
+            .enumerate()
+            .map_init(Vec::new, |uv, (row, taps)| {
+                uv.clear();
+                uv.extend((0..map.width).map(|x| map.drawn(x, row).unwrap_or([f64::NAN; 2])));
                 tap_row(uv, source, taps);
                 spans_of_row(uv)
             })
