@@ -13,6 +13,9 @@ pub struct Options {
     /// Install Mitsuba 3 into .venv and run its kernel in the same rounds.
     #[arg(long)]
     with_mitsuba: bool,
+    /// Measure the map through this mesh of a bunny as well.
+    #[arg(long, value_name = "FILE")]
+    bunny: Option<std::path::PathBuf>,
     /// Only rows whose name contains this.
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
@@ -31,6 +34,12 @@ pub fn run(options: &Options) -> Result<()> {
     bench.args(["bench", "--quiet", "--package", "xtask", "--bench", "table", "--"]);
     if options.quick {
         bench.arg("--quick");
+    }
+    if options.with_mitsuba {
+        bench.arg("--with-mitsuba");
+    }
+    if let Some(file) = &options.bunny {
+        bench.arg("--bunny").arg(std::path::absolute(file)?);
     }
     if let Some(only) = &options.only {
         bench.args(["--only", only]);

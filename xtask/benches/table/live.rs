@@ -14,7 +14,7 @@ const SOURCE: [usize; 2] = [1024, 1024];
 /// What the show asks of its maps.
 const ACCURACY: Accuracy = Accuracy { tolerance: 2.5e-5 };
 
-/// Weights with a map in memory and without, and drawing as codes and as light.
+/// Weights with a map in memory and without, and drawing.
 pub fn rows(sizes: &Sizes) -> Vec<Row> {
     let often = sizes.rounds[0];
     let mut rows = Vec::new();
@@ -36,10 +36,7 @@ pub fn rows(sizes: &Sizes) -> Vec<Row> {
             Ok(Done::default())
         }))
     }));
-    rows.push(Row::new("warp of four channels as codes, sphere, 1080p", often, || draw(false)));
-    rows.push(Row::new("warp of four channels as light (play), sphere, 1080p", often, || {
-        draw(true)
-    }));
+    rows.push(Row::new("warp of a decoded frame (play), sphere, 1080p", often, draw));
     rows
 }
 
@@ -83,7 +80,7 @@ fn weights(file: &str, by_rows: bool) -> Outcome<Work> {
     }))
 }
 
-fn draw(light: bool) -> Outcome<Work> {
+fn draw() -> Outcome<Work> {
     let mut walk = Walk::new("paper/sphere.toml")?;
     let warp = Warp::of_inverse(&Inverse::new(walk.step(), ACCURACY), SOURCE, None)?;
     let code = |i: usize| (i as u32).wrapping_mul(2_654_435_761).to_be_bytes()[0];
@@ -92,10 +89,7 @@ fn draw(light: bool) -> Outcome<Work> {
     decoded.decode(&frame, 4)?;
     let mut output = vec![0; DISPLAY[0] * DISPLAY[1] * 4];
     Ok(Box::new(move || {
-        match light {
-            true => warp.apply_light(&decoded, 4, &drive, &mut output)?,
-            false => warp.apply(&frame, 4, &mut output)?,
-        }
+        warp.apply_light(&decoded, 4, &drive, &mut output)?;
         Ok(Done::default())
     }))
 }

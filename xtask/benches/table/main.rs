@@ -15,6 +15,9 @@ use rows::{Row, Sizes};
 use std::error::Error;
 use std::time::{Duration, Instant};
 
+/// The option that names the bunny's mesh.
+const BUNNY: &str = "--bunny";
+
 /// Anything that goes wrong in a row ends the run.
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
@@ -31,10 +34,17 @@ fn main() -> Outcome<()> {
     let sizes = if has("--quick") { Sizes::QUICK } else { Sizes::FULL };
     if let Some(name) = value(memory::ONCE) {
         let mut rows = rows::of_midair(&sizes);
-        rows.extend(warp::rows(&sizes));
+        rows.extend(warp::ours_alone(&sizes));
         rows.extend(live::rows(&sizes));
+        rows.push(rows::program(&sizes)?);
+        if let Some(file) = value(BUNNY) {
+            rows.push(rows::bunny(file.into())?);
+        }
         return match rows.into_iter().find(|row| row.name == name) {
-            Some(row) => row.prepare().map(|mut work| drop(work())),
+            Some(row) => {
+                row.prepare()?()?;
+                Ok(())
+            }
             None => Err(format!("no row `{name}`").into()),
         };
     }
@@ -43,13 +53,23 @@ fn main() -> Outcome<()> {
         return Ok(());
     }
     let mut rows = rows::of_midair(&sizes);
-    rows.extend(warp::rows(&sizes));
+    rows.push(rows::program(&sizes)?);
+    rows.extend(warp::rows(&sizes)?);
     rows.extend(live::rows(&sizes));
-    rows.extend(mitsuba::rows(&sizes));
+    if has("--with-mitsuba") {
+        rows.extend(mitsuba::rows(&sizes)?);
+    }
+    let bunny = value(BUNNY);
+    if let Some(file) = &bunny {
+        rows.push(rows::bunny(file.into())?);
+    }
     if let Some(only) = value("--only") {
         rows.retain(|row| row.name.contains(&only));
     }
-    print_table(&rows, &measure(&rows, &sizes)?);
+    if rows.is_empty() {
+        return Err("no row has such a name".into());
+    }
+    print_table(&rows, &measure(&rows, &sizes, bunny.as_deref())?);
     Ok(())
 }
 
@@ -63,7 +83,7 @@ struct Figures {
     rounds: usize,
 }
 
-fn measure(rows: &[Row], sizes: &Sizes) -> Outcome<Vec<Figures>> {
+fn measure(rows: &[Row], sizes: &Sizes, bunny: Option<&str>) -> Outcome<Vec<Figures>> {
     let mut works = rows.iter().map(Row::prepare).collect::<Outcome<Vec<_>>>()?;
     let mut times: Vec<Vec<Duration>> = vec![Vec::new(); rows.len()];
     let mut remarks = vec![String::new(); rows.len()];
@@ -97,7 +117,7 @@ fn measure(rows: &[Row], sizes: &Sizes) -> Outcome<Vec<Figures>> {
             Ok(Figures {
                 median: times[times.len() / 2],
                 best: times[0],
-                peak: if row.watch_memory { memory::peak_of_row(&row.name, sizes)? } else { None },
+                peak: if row.watch_memory { memory::peak_of_row(&row.name, sizes, bunny)? } else { None },
                 remark,
                 rounds: times.len(),
             })

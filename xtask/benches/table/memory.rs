@@ -23,7 +23,7 @@ pub fn watch(command: &[String]) -> Outcome<()> {
 }
 
 /// The peak of a row in KiB; `None` on systems that count in other units.
-pub fn peak_of_row(name: &str, sizes: &Sizes) -> Outcome<Option<u64>> {
+pub fn peak_of_row(name: &str, sizes: &Sizes, bunny: Option<&str>) -> Outcome<Option<u64>> {
     if !cfg!(target_os = "linux") {
         return Ok(None);
     }
@@ -33,6 +33,7 @@ pub fn peak_of_row(name: &str, sizes: &Sizes) -> Outcome<Option<u64>> {
     if sizes.quick {
         command.arg("--quick");
     }
+    bunny.into_iter().for_each(|file| drop(command.args([super::BUNNY, file])));
     let output = command.stderr(Stdio::inherit()).output()?;
     if !output.status.success() {
         return Err(format!("the memory of `{name}` cannot be measured").into());

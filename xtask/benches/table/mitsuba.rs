@@ -17,15 +17,12 @@ fn script() -> PathBuf {
     set_ups::root().join("xtask/peers/mitsuba_sphere.py")
 }
 
-/// Its rows, if it works here.
-pub fn rows(sizes: &Sizes) -> Vec<Row> {
-    let version = match Peer::version() {
-        Ok(version) => version,
-        Err(why) => {
-            eprintln!("no Mitsuba: {why}");
-            return Vec::new();
-        }
-    };
+/// Its rows.
+///
+/// # Errors
+/// Where it does not work here.
+pub fn rows(sizes: &Sizes) -> Outcome<Vec<Row>> {
+    let version = Peer::version().map_err(|why| format!("Mitsuba cannot be measured: {why}"))?;
     let [often, some, _] = sizes.rounds;
     let row = |(spp, rounds)| {
         let name = format!("Mitsuba {version} (LLVM), sphere, {spp} spp");
@@ -33,7 +30,7 @@ pub fn rows(sizes: &Sizes) -> Vec<Row> {
         row.watch_memory = false;
         row
     };
-    [(1, often), (16, some)].map(row).into()
+    Ok([(1, often), (16, some)].map(row).into())
 }
 
 /// The Python process.

@@ -80,12 +80,6 @@ pub fn of_midair(sizes: &Sizes) -> Vec<Row> {
     }
     let ball = format!("map, ball of {} triangles", set_ups::BALL_TRIANGLES);
     rows.push(Row::new(&ball, some, || Ok(map(set_ups::ball()?))));
-    match set_ups::bunny() {
-        Some(file) => rows.push(Row::new("map, bunny of 69664 triangles", 1, move || {
-            Ok(map(set_ups::bunny_scene(&file)?))
-        })),
-        None => eprintln!("no bunny: ../shared/data is not there"),
-    }
     rows.push(Row::new("floor: write a map's bytes", often, || Ok(write_bytes())));
     rows.push(Row::new("splat, sphere, 1 spp", some, || scatter("paper/sphere.toml", 1)));
     let spp = sizes.spp;
@@ -102,15 +96,30 @@ pub fn of_midair(sizes: &Sizes) -> Vec<Row> {
     }));
     rows.push(Row::new(SIMULATOR, some, simulator));
     pictures(&mut rows, [often, some, few]);
-    match midair_program() {
-        Some(program) => {
-            rows.push(Row::new("program: midair compensate, sphere", some, move || {
-                Ok(compensate(program.clone()))
-            }))
-        }
-        None => eprintln!("no program: build it with `cargo build --release -p midair-cli`"),
-    }
     rows
+}
+
+/// The paper's set-up with a bunny, which midair does not bring along.
+///
+/// # Errors
+/// Where the mesh is missing.
+pub fn bunny(file: PathBuf) -> Outcome<Row> {
+    if !file.is_file() {
+        return Err(format!("{}: the bunny's mesh is not there", file.display()).into());
+    }
+    Ok(Row::new("map, bunny", 1, move || Ok(map(set_ups::bunny_scene(&file)?))))
+}
+
+/// The program from start to end.
+///
+/// # Errors
+/// Where it is not built.
+pub fn program(sizes: &Sizes) -> Outcome<Row> {
+    let Some(program) = midair_program() else {
+        return Err("the program is not there: `cargo build --release -p midair-cli`".into());
+    };
+    let work = move || Ok(compensate(program.clone()));
+    Ok(Row::new("program: midair compensate, sphere", sizes.rounds[1], work))
 }
 
 /// The forward simulator at work.

@@ -20,12 +20,6 @@ pub fn scene(name: &str) -> Outcome<Setup> {
     Ok(Setup::new(&scene::load(&root().join("scenes").join(name))?)?)
 }
 
-/// The bunny of 69,664 triangles, where the evaluation data lie beside the workspace.
-pub fn bunny() -> Option<PathBuf> {
-    let file = root().join("../shared/data/meshes/bunny-70k.ply");
-    file.exists().then_some(file)
-}
-
 /// The paper's bunny set-up with a mesh file in place of the one that it names.
 pub fn bunny_scene(mesh: &Path) -> Outcome<Setup> {
     let text = std::fs::read_to_string(root().join("scenes/paper/bunny.toml"))?;

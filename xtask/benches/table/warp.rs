@@ -1,9 +1,10 @@
-//! Warping frames, and OpenCV's remap as a peer on the same map, frame and number of threads, in the same rounds.
+//! Warping a film's frames as `midair apply` does (codes to light, interpolated in light, light to codes), and OpenCV's remap (which interpolates
+//! the codes) as a peer on the same map, frame and number of threads, in the same rounds.
 
 use super::rows::{Done, Row, Sizes, Work};
 use super::{Outcome, set_ups};
 use midair::map::Map;
-use midair::picture::{Filter, Warp};
+use midair::picture::{Drive, Filter, LightFrame, Warp};
 use std::io::{BufRead, BufReader, Write};
 use std::path::PathBuf;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
@@ -29,31 +30,46 @@ fn python() -> PathBuf {
     set_ups::root().join(".venv/bin/python3")
 }
 
-/// Frames of RGB through a lens-like map, at 1080p and 4K.
-pub fn rows(sizes: &Sizes) -> Vec<Row> {
-    let [often, some, _] = sizes.rounds;
-    let version =
-        Command::new(python()).args(["-c", "import cv2; print(cv2.__version__)"]).output();
-    let version = version.ok().filter(|output| output.status.success());
-    let version = version.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned());
-    if version.is_none() {
-        eprintln!("no OpenCV: `cargo xtask test --only setup` installs it into .venv");
+/// OpenCV's version.
+fn version() -> Outcome<String> {
+    let said = Command::new(python()).args(["-c", "import cv2; print(cv2.__version__)"]).output();
+    match said {
+        Ok(output) if output.status.success() => {
+            Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
+        }
+        _ => Err("OpenCV, the peer of the rows of warps, is not in .venv: \
+                  `cargo xtask test --only setup` installs it"
+            .into()),
     }
+}
+
+/// Frames of RGB through a lens-like map, at 1080p and 4K.
+///
+/// # Errors
+/// Where OpenCV is missing: a table without the peer says nothing.
+pub fn rows(sizes: &Sizes) -> Outcome<Vec<Row>> {
+    let [often, some, _] = sizes.rounds;
+    let version = version()?;
+    let mut rows = ours_alone(sizes);
+    for (size, name, rounds) in [([1920, 1080], "1080p", often), ([3840, 2160], "4K", some)] {
+        for maps in ["float", "fixed"] {
+            let label = format!("warp by OpenCV {version} remap, bilinear, {maps} maps, {name}");
+            let mut row = Row::new(&label, rounds, move || theirs(size, maps));
+            row.watch_memory = false;
+            rows.push(row);
+        }
+    }
+    Ok(rows)
+}
+
+/// The rows without a peer.
+pub fn ours_alone(sizes: &Sizes) -> Vec<Row> {
+    let [often, some, _] = sizes.rounds;
     let mut rows = Vec::new();
     for (size, name, rounds) in [([1920, 1080], "1080p", often), ([3840, 2160], "4K", some)] {
         for (filter, what) in [(Filter::Bilinear, "bilinear"), (Filter::Sharp, "sharp")] {
-            rows.push(Row::new(&format!("warp, {what}, {name}"), rounds, move || {
-                ours(size, filter)
-            }));
-        }
-        if let Some(version) = &version {
-            for maps in ["float", "fixed"] {
-                let label =
-                    format!("warp by OpenCV {version} remap, bilinear, {maps} maps, {name}");
-                let mut row = Row::new(&label, rounds, move || theirs(size, maps));
-                row.watch_memory = false;
-                rows.push(row);
-            }
+            let label = format!("warp of a film's frame (apply), {what}, {name}");
+            rows.push(Row::new(&label, rounds, move || ours(size, filter)));
         }
     }
     rows
@@ -82,10 +98,12 @@ fn per_second(time: Duration) -> String {
 fn ours(size: [usize; 2], filter: Filter) -> Outcome<Work> {
     let warp = Warp::new(&lens(size), size, filter)?;
     let frame = frame(size);
-    let mut output = vec![0; frame.len()];
+    let (mut light, drive, mut output) =
+        (LightFrame::default(), Drive::default(), vec![0; frame.len()]);
     Ok(Box::new(move || {
         let start = std::time::Instant::now();
-        warp.apply(&frame, 3, &mut output)?;
+        light.decode(&frame, 3)?;
+        warp.apply_light(&light, 3, &drive, &mut output)?;
         let time = start.elapsed();
         Ok(Done { remark: format!("last {}", per_second(time)), time: Some(time) })
     }))

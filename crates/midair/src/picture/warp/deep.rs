@@ -1,7 +1,7 @@
 //! Warping frames of 16-bit samples, in linear light and single precision.
 
 use super::taps::{CubicTables, ONE, Plan, Tap, unpack};
-use super::{Warp, WarpError, check_frame_samples, check_gain};
+use super::{Warp, WarpError, check_samples, check_gain};
 use crate::picture::brightness::Evening;
 use crate::picture::curve::{Curve, Tables};
 use rayon::prelude::*;
@@ -28,8 +28,8 @@ impl Warp {
         scratch: &mut DeepScratch,
         output: &mut [u16],
     ) -> Result<(), WarpError> {
-        check_frame_samples(self.source[0], self.source[1], 3, frame.len())?;
-        check_frame_samples(self.width, self.height, 3, output.len())?;
+        check_samples(self.source[0], self.source[1], 3, frame.len())?;
+        check_samples(self.width, self.height, 3, output.len())?;
         check_gain(evening, self.width * self.height)?;
         if scratch.tables.as_ref().is_none_or(|(known, _)| *known != curve) {
             scratch.tables = Some((curve, Tables::new(curve)));

@@ -8,7 +8,7 @@
 #[cfg(target_arch = "x86_64")]
 use super::light_avx2;
 use super::linear::{DECODE, LightFrame, WHITE, curve};
-use super::{WarpError, check_frame_samples, check_source};
+use super::{WarpError, check_samples, check_source};
 use crate::map::{ImageGain, cell};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -114,7 +114,7 @@ impl LightFrame {
         evening: &FrameEvening,
     ) -> Result<f64, WarpError> {
         check_source(size)?;
-        check_frame_samples(size[0], size[1], channels, frame.len())?;
+        check_samples(size[0], size[1], channels, frame.len())?;
         self.light.resize(size[0] * size[1], [0; 4]);
         match channels {
             3 => Ok(decode::<3>(frame, size, evening, &mut self.light)),

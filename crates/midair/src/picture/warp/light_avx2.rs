@@ -1,9 +1,8 @@
 //! The kernels for frames as light, with 256-bit integers. Same arithmetic as [`super::linear`] and [`super::evened`], same results.
 
-use super::avx2::{store_eight, weights};
 use super::evened::{Light, MOST, ROUNDING, decode_row_plain};
 use super::linear::{DROP, LAST, Run, WHITE};
-use super::taps::{AHEAD, ONE};
+use super::taps::{AHEAD, ONE, Tap};
 use std::arch::x86_64::*;
 
 /// Two neighbouring pixels of four channels.
@@ -14,6 +13,36 @@ fn load_two(light: &[[i16; 4]], first: usize) -> __m128i {
     let two = light.get(first..).and_then(|rest| rest.first_chunk::<2>()).unwrap_or(&[[0; 4]; 2]);
     // SAFETY: the two pixels have the 16 bytes that are read; the load needs no alignment.
     unsafe { _mm_loadu_si128(two.as_ptr().cast()) }
+}
+
+/// Weights (1 - f, f) as pairs, of fractions in the low halves.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn weight_pairs(fractions: __m256i) -> __m256i {
+    let first = _mm256_sub_epi32(_mm256_set1_epi32(ONE), fractions);
+    _mm256_or_si256(first, _mm256_slli_epi32::<16>(fractions))
+}
+
+/// The weights of eight pixels' taps, across and down.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn weights(taps: &[Tap; 8]) -> (__m256i, __m256i) {
+    // Written out: closures would not share the instruction set, and the numbers would go through memory.
+    macro_rules! fractions {
+        ($axis:ident) => {
+            _mm256_setr_epi32(
+                i32::from(taps[0].$axis),
+                i32::from(taps[1].$axis),
+                i32::from(taps[2].$axis),
+                i32::from(taps[3].$axis),
+                i32::from(taps[4].$axis),
+                i32::from(taps[5].$axis),
+                i32::from(taps[6].$axis),
+                i32::from(taps[7].$axis),
+            )
+        };
+    }
+    (weight_pairs(fractions!(x)), weight_pairs(fractions!(y)))
 }
 
 /// A run of pixels of one bilinear sample each, without a gain, from a source of at least two rows and columns.
@@ -129,6 +158,31 @@ pub(super) fn decode_row(
     let counted = counts.iter().map(|&count| count as usize).sum::<usize>();
     let rest = [&above[whole..], &below[whole..]];
     counted + decode_row_plain(&frame[whole..], tables, rest, t, &mut light[whole..])
+}
+
+/// Stores eight pixels as C bytes each, given in 32 bits a channel: in each number a pixel k and, in the upper lane, the pixel k + 4.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn store_eight<const C: usize>([a, b, c, d]: [__m256i; 4], target: &mut [u8]) {
+    let codes = _mm256_packus_epi16(_mm256_packus_epi32(a, b), _mm256_packus_epi32(c, d));
+    let (low, high) = target.split_at_mut(4 * C);
+    store_four::<C>(_mm256_castsi256_si128(codes), low);
+    store_four::<C>(_mm256_extracti128_si256::<1>(codes), high);
+}
+
+/// Stores four pixels of four bytes each, as C bytes each.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn store_four<const C: usize>(codes: __m128i, target: &mut [u8]) {
+    let codes = if C == 4 {
+        codes
+    } else {
+        let close = _mm_setr_epi8(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, -1, -1, -1, -1);
+        _mm_shuffle_epi8(codes, close)
+    };
+    target[..8].copy_from_slice(&_mm_cvtsi128_si64(codes).to_le_bytes());
+    let high = _mm_extract_epi64::<1>(codes).to_le_bytes();
+    target[8..].copy_from_slice(&high[..4 * C - 8]);
 }
 
 #[cfg(test)]

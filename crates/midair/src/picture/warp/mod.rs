@@ -1,16 +1,12 @@
-//! Warping frames of 8-bit samples: the fixed part of a map computed once, then frame after frame.
+//! Warping frames: the fixed part of a map computed once, then frame after frame, in linear light.
 //!
-//! Fractions and weights are fixed-point numbers of 14 bits and the sums 32 bits wide, so that every
-//! sample is within 1/255 of the ideal one (half a code is its rounding, the rest far less). On x86-64 with
+//! Fractions and weights are fixed-point numbers of 14 bits and the sums 32 bits wide. On x86-64 with
 //! AVX2, told at run time, the same integers are computed eight at a time; results are identical.
 
-#[cfg(target_arch = "x86_64")]
-mod avx2;
 mod bilinear;
 mod deep;
 mod device;
 mod evened;
-mod kernel;
 #[cfg(target_arch = "x86_64")]
 mod light_avx2;
 mod linear;
@@ -122,25 +118,11 @@ impl Warp {
         [self.width, self.height]
     }
 
-    /// Warps one frame: `frame` holds the source's rows from the top, `channels` (3 or 4) bytes a pixel and no
-    /// padding; so will `output`. Pixels without an answer become 0 in every channel. The bytes are
-    /// interpolated as they are, in the frame's own encoding.
-    ///
-    /// # Errors
-    /// [`WarpError`] where the number of channels or bytes is wrong.
-    pub fn apply(&self, frame: &[u8], channels: usize, output: &mut [u8]) -> Result<(), WarpError> {
-        match channels {
-            3 => self.apply_channels::<3>(frame, output),
-            4 => self.apply_channels::<4>(frame, output),
-            other => Err(WarpError::Channels(other)),
-        }
-    }
-
     /// Warps one frame in linear light, as [`display_image`](super::display_image) does, into what the display is sent: `channels` (3
-    /// or 4) bytes a pixel, without padding. Pixels without an answer become 0 in every channel.
+    /// or 4) bytes a pixel, rows from the top, without padding. Pixels that show nothing of the image become 0 in every channel.
     ///
     /// # Errors
-    /// As [`apply`](Self::apply).
+    /// [`WarpError`] where the number of channels, pixels or bytes is wrong.
     pub fn apply_light(
         &self,
         frame: &LightFrame,
@@ -161,26 +143,12 @@ impl Warp {
         drive: &Drive,
         output: &mut [u8],
     ) -> Result<(), WarpError> {
-        check_frame_samples(self.source[0], self.source[1], 1, frame.light.len())?;
+        check_samples(self.source[0], self.source[1], 1, frame.light.len())?;
         check_gain(drive.evening(), self.width * self.height)?;
         let (light, source, plan) = (&frame.light[..], self.source, &self.plan);
         self.each_span::<C>(output, |pixels, target| {
             let tables = self.tables.as_ref();
             linear::Run { light, source, tables, plan, pixels, drive }.warp::<C>(target);
-        })
-    }
-
-    fn apply_channels<const C: usize>(
-        &self,
-        frame: &[u8],
-        output: &mut [u8],
-    ) -> Result<(), WarpError> {
-        check_frame::<C>(self.source[0], self.source[1], frame.len())?;
-        self.each_span::<C>(output, |pixels, target| match &self.tables {
-            Some(tables) => {
-                kernel::cubic::<C>(frame, self.source, tables, &self.plan, pixels, target);
-            }
-            None => kernel::bilinear::<C>(frame, self.source, self.plan.taps(pixels), target),
         })
     }
 
@@ -190,7 +158,7 @@ impl Warp {
         output: &mut [u8],
         fill: impl Fn(Range<usize>, &mut [u8]) + Sync,
     ) -> Result<(), WarpError> {
-        check_frame::<C>(self.width, self.height, output.len())?;
+        check_samples(self.width, self.height, C, output.len())?;
         let row_bytes = self.width * C;
         if row_bytes == 0 {
             return Ok(());
@@ -227,11 +195,7 @@ fn check_source([width, height]: [usize; 2]) -> Result<(), WarpError> {
     }
 }
 
-fn check_frame<const C: usize>(width: usize, height: usize, found: usize) -> Result<(), WarpError> {
-    check_frame_samples(width, height, C, found)
-}
-
-fn check_frame_samples(
+fn check_samples(
     width: usize,
     height: usize,
     channels: usize,

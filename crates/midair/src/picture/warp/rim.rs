@@ -191,7 +191,7 @@ fn gaps(wide: &[Run], narrow: &[Run]) -> Vec<Run> {
 mod tests {
     use crate::geometry::Shape;
     use crate::map::{Accuracy, Inverse, InverseRows, Map, Status, invert};
-    use crate::picture::{Filter, Warp};
+    use crate::picture::{Drive, Filter, LightFrame, Warp};
     use crate::scene;
     use crate::transport::Setup;
     use crate::transport::bench_setup::{ACRYLIC, block, element, setup, sphere};
@@ -322,7 +322,9 @@ mod tests {
             let inverse = Inverse::of_map(Map::unanswered(width, height));
             let warp = Warp::of_inverse(&inverse, [3, 2], None).unwrap();
             let mut shown = vec![77; width * height * 3];
-            warp.apply(&[200; 18], 3, &mut shown).unwrap();
+            let mut light = LightFrame::default();
+            light.decode(&[200; 18], 3).unwrap();
+            warp.apply_light(&light, 3, &Drive::default(), &mut shown).unwrap();
             assert!(shown.iter().all(|&sample| sample == 0));
         }
     }
