@@ -1,7 +1,6 @@
 //! What a report says of brightness, colour fringes and stray light.
 
 use crate::commands::check::Stray;
-use crate::commands::compensate::plate;
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::report_page::figure;
@@ -43,10 +42,10 @@ impl Colour {
             timings.push((name, last.elapsed()));
             last = Instant::now();
         };
-        let evenness = evenness(setup, &plate(loaded, setup)?, view_size(setup, FIELD));
+        let evenness = evenness(setup, view_size(setup, FIELD));
         lap("brightness");
-        let fringes = match loaded.scene.disperses() {
-            true => Some(fringes(loaded, map, &settings.lattice, settings.view[0])?),
+        let fringes = match setup.disperses() {
+            true => Some(fringes(setup, map, &settings.lattice, settings.view[0])?),
             false => None,
         };
         lap("fringes");

@@ -26,6 +26,11 @@ pub fn stop_on_interrupt() -> &'static AtomicBool {
     &STOP
 }
 
+/// Whether the work is to stop.
+pub fn is_stopped() -> bool {
+    STOP.load(Ordering::SeqCst)
+}
+
 /// What is said if the program is interrupted.
 static FAREWELL: Mutex<Option<&'static str>> = Mutex::new(None);
 

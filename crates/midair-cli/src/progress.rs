@@ -1,7 +1,8 @@
 //! How far long work is, on a terminal.
 
+use crate::output::is_stopped;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use midair::evaluate::proof::Watch;
+use midair::Monitor;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
@@ -29,7 +30,11 @@ impl Bar {
     }
 }
 
-impl Watch for Bar {
+impl Monitor for Bar {
+    fn is_cancelled(&self) -> bool {
+        is_stopped()
+    }
+
     fn stage(&self, name: &str, steps: usize) {
         self.finish();
         let bar = ProgressBar::with_draw_target(Some(steps as u64), ProgressDrawTarget::stderr());

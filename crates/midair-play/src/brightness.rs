@@ -4,15 +4,13 @@ use crate::solver::{COLOURS, LIVE_TOLERANCE};
 use midair::geometry::Vec3;
 use midair::map::{Accuracy, ImageGain, invert};
 use midair::picture::{Evening, FrameEvening, Overflow};
-use midair::scene::Loaded;
-use midair::simulate::{ImageGainWork, Plate, gain};
+use midair::simulate::{ImageGainWork, gain};
 use midair::transport::Setup;
 use std::sync::Arc;
 
 /// What is divided out of frames. The gain is smooth where the map is, and changes less from eye to eye: while the viewer moves,
 /// maps are shown with the gain of a moment ago, and the viewer's own is worked out in the time between them.
 pub(crate) struct Brightness {
-    plate: Plate,
     /// How bright white is, over the display's: what the scene's own viewpoint allows. It stays while the viewer moves, for a picture whose
     /// brightness goes with the viewer's head is worse than one that clips at its most demanding pixels from aside.
     level: f64,
@@ -40,19 +38,13 @@ const ROWS: usize = 4;
 const LEVEL_COLUMNS: usize = 320;
 
 impl Brightness {
-    pub fn new(
-        loaded: &Loaded,
-        setup: &Setup,
-        [width, height]: [usize; 2],
-        overflow: Overflow,
-    ) -> Result<Self, String> {
-        let plate = Plate::of_scene(loaded, setup).map_err(|error| error.to_string())?;
+    pub fn new(setup: &Setup, [width, height]: [usize; 2], overflow: Overflow) -> Self {
         let columns = width.min(LEVEL_COLUMNS);
         let rows = (height * columns / width.max(1)).max(1);
-        let small = Setup { resolution: [columns, rows], ..setup.clone() };
+        let small = setup.with_resolution([columns, rows]);
         let (map, _) = invert(&small, Accuracy { tolerance: LIVE_TOLERANCE });
-        let level = Evening::for_white(&gain(&small, &plate, &map), overflow).level();
-        Ok(Self { plate, level, last: None, work: None })
+        let level = Evening::for_white(&gain(&small, &map), overflow).level();
+        Self { level, last: None, work: None }
     }
 
     /// The gain to show a map with at once: the last one, unless it is for an eye far away.
@@ -84,7 +76,7 @@ impl Brightness {
     fn work_out(&mut self, setup: &Setup, rows: usize) {
         let begin = || (setup.viewpoint, ImageGainWork::new(setup.clone()));
         let (eye, work) = self.work.get_or_insert_with(begin);
-        if let Some(gain) = work.go_on(&self.plate, rows) {
+        if let Some(gain) = work.go_on(rows) {
             self.last = Some((*eye, Arc::new(evening(&gain, self.level))));
             self.work = None;
         }
@@ -98,28 +90,27 @@ fn evening(gain: &ImageGain, level: f64) -> FrameEvening {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use midair::optics::plate::{SlitMirror, SlitMirrorPlate};
+    use midair::optics::plate::{Model, SlitMirror, SlitMirrorPlate};
     use midair::simulate::image_gain;
 
-    fn set_up(name: &str) -> (Loaded, Setup) {
+    fn set_up(name: &str) -> Setup {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
         let file = format!("../../scenes/paper/{name}.toml");
         let loaded = midair::scene::load(&root.join(file)).unwrap();
-        let setup = Setup::new(&loaded).unwrap();
-        (loaded, setup)
+        Setup::new(&loaded).unwrap()
     }
 
     /// The largest difference that a gain for an eye so far aside, one way or another, makes over the image, as a share of the gain.
-    fn off(name: &str, plate: &Plate, aside: f64) -> f32 {
-        let (_, here) = set_up(name);
-        let own = image_gain(&here, plate);
+    fn off(name: &str, plate: &Model, aside: f64) -> f32 {
+        let here = set_up(name).with_plate(plate.clone());
+        let own = image_gain(&here);
         let places = (0..10_000).map(|i| [i % 100, i / 100].map(|i| (f64::from(i) + 0.5) / 100.0));
         let at =
             |gain: &ImageGain| -> Vec<f32> { places.clone().flat_map(|uv| gain.at(uv)).collect() };
         let (own, mut worst) = (at(&own), 0.0);
         for way in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
             let viewpoint = here.viewpoint + Vec3::from_array(way) * aside;
-            let other = at(&image_gain(&Setup { viewpoint, ..here.clone() }, plate));
+            let other = at(&image_gain(&here.with_viewpoint(viewpoint)));
             let off = own.iter().zip(&other).map(|(a, b)| (a - b).abs() / a);
             let known: Vec<f32> = off.filter(|off| off.is_finite()).collect();
             assert!(known.len() > 9_000, "{name}: {}", known.len());
@@ -132,7 +123,7 @@ mod tests {
     fn a_gain_serves_eyes_nearby() {
         let real = SlitMirrorPlate::new(SlitMirror::default()).unwrap();
         // Without losses in the plate next to nothing depends on the eye.
-        for (plate, far, same) in [(Plate::Ideal, 1e-4, 1e-5), (Plate::from(real), 0.04, 0.004)] {
+        for (plate, far, same) in [(Model::Ideal, 1e-4, 1e-5), (Model::from(real), 0.04, 0.004)] {
             let worst = |aside: f64| {
                 ["sphere", "cube", "cylinder", "bent-mirror-convex"]
                     .map(|name| off(name, &plate, aside))
@@ -142,24 +133,24 @@ mod tests {
             let largest = found.map(|of| of.into_iter().fold(0.0, f32::max));
             assert!(largest[0] <= far && largest[1] <= same, "{largest:?}");
             // Eyes are told apart at all, and the bound is no wider than it need be.
-            assert!(matches!(plate, Plate::Ideal) || largest[0] > 0.5 * far, "{largest:?}");
+            assert!(matches!(plate, Model::Ideal) || largest[0] > 0.5 * far, "{largest:?}");
         }
     }
 
     /// The evening of a gain that was worked out in one go.
     fn exact(brightness: &Brightness, setup: &Setup) -> FrameEvening {
-        evening(&image_gain(setup, &brightness.plate), brightness.level)
+        evening(&image_gain(setup), brightness.level)
     }
 
     #[test]
     fn a_moving_eye_is_served_from_nearby_and_a_resting_one_by_its_own() {
-        let (loaded, mut setup) = set_up("sphere");
+        let mut setup = set_up("sphere");
         let start = setup.viewpoint;
         let mut to = |x: f64| {
             setup.viewpoint = start + Vec3::new(x, 0.0, 0.0);
             setup.clone()
         };
-        let mut kept = Brightness::new(&loaded, &to(0.0), [64, 64], Overflow::Fit).unwrap();
+        let mut kept = Brightness::new(&to(0.0), [64, 64], Overflow::Fit);
         let first = kept.at_hand(&to(0.0));
         assert_eq!(*first, exact(&kept, &to(0.0)));
         // Nearby, the last; there is something to work on.

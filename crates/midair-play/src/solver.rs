@@ -242,10 +242,8 @@ impl Known {
     fn new(request: &Request) -> Result<Self, String> {
         let loaded = Arc::clone(&request.loaded);
         let setup = Setup::new(&loaded).map_err(|error| error.to_string())?;
-        let brightness = request
-            .gain
-            .map(|overflow| Brightness::new(&loaded, &setup, request.resolution, overflow))
-            .transpose()?;
+        let brightness =
+            request.gain.map(|overflow| Brightness::new(&setup, request.resolution, overflow));
         Ok(Self { loaded, setup, brightness, evening: None })
     }
 
@@ -259,7 +257,7 @@ impl Known {
         setup.viewpoint =
             request.viewpoint.unwrap_or_else(|| Vec3::from_array(loaded.scene.viewpoint));
         let warp = if request.uncompensated {
-            let map = uncompensated_map(loaded, setup);
+            let map = uncompensated_map(setup);
             Warp::new(&map, request.source, Filter::Bilinear)
         } else {
             let inverse = Inverse::new(setup, Accuracy { tolerance: LIVE_TOLERANCE });

@@ -12,11 +12,14 @@ pub mod evaluate;
 pub mod geometry;
 pub mod map;
 pub mod measure;
+mod monitor;
 pub mod optics;
 pub mod picture;
 pub mod scene;
 pub mod simulate;
 pub mod transport;
+
+pub use monitor::Monitor;
 
 /// The README's example is compiled as a test.
 #[cfg(doctest)]

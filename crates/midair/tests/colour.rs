@@ -3,11 +3,10 @@
 use midair::evaluate::colour::fringes;
 use midair::map::{Accuracy, Map, invert};
 use midair::measure::lattice::LatticeStyle;
-use midair::optics::plate::{SlitMirror, SlitMirrorPlate};
+use midair::optics::plate::{Model, SlitMirror, SlitMirrorPlate};
 use midair::picture::{Overflow, Picture, display_image, display_image_by_colour, even_out};
 use midair::scene::{Loaded, load};
-use midair::simulate::{Camera, Plate, Render, Settings, Viewer, Watch, gain};
-use midair::simulate::{render, render_with_dispersion};
+use midair::simulate::{Camera, Render, Settings, Viewer, gain, render, render_by_colour};
 use midair::transport::Setup;
 use palette::color_difference::Ciede2000;
 use palette::{IntoColor, Lab, LinSrgb};
@@ -40,19 +39,9 @@ fn map_of(setup: &Setup) -> Map {
 }
 
 fn seen(setup: &Setup, display: &Picture, size: [usize; 2], samples_per_pixel: u32) -> Render {
-    seen_through(setup, &Plate::Ideal, display, size, samples_per_pixel)
-}
-
-fn seen_through(
-    setup: &Setup,
-    plate: &Plate,
-    display: &Picture,
-    size: [usize; 2],
-    samples_per_pixel: u32,
-) -> Render {
     let viewer = Viewer::pinhole(Camera::at_viewpoint(setup, size));
     let settings = Settings { samples_per_pixel, seed: 3 };
-    render(setup, plate, display, &viewer, &settings, Watch::default()).unwrap()
+    render(setup, display, &viewer, &settings, &(), &mut |_| ()).unwrap()
 }
 
 /// Largest over smallest value of a view's pixels, but for those at its edge.
@@ -91,7 +80,7 @@ fn a_white_field_is_even_through_cube_and_cylinder_from_0_and_15_degrees() {
         let setup = Setup::new(&loaded).unwrap();
         let map = map_of(&setup);
         let light = display_image(&white, &map);
-        let evened = even_out(&light, &gain(&setup, &Plate::Ideal, &map), Overflow::Fit);
+        let evened = even_out(&light, &gain(&setup, &map), Overflow::Fit);
         // 2^14 paths of which at most a fifth are lost by chance: 0.3 % a pixel, and the largest and the least of 64 lie five of these
         // apart; that leaves half a percent to the map of the gain and to what reflections add.
         let [before, after] =
@@ -113,7 +102,7 @@ fn a_white_field_is_even_through_the_slit_mirror_plate_too() {
     // The usual plate's proportions, so fine that each pixel sees the lattice's average: the same efficiency by direction.
     let fine =
         SlitMirror { pitch: 0.01, layer_depth: 0.025, cover_glass: 0.015, ..SlitMirror::default() };
-    let plate = Plate::from(SlitMirrorPlate::new(fine).unwrap());
+    let plate = Model::from(SlitMirrorPlate::new(fine).unwrap());
     let white = Picture::filled(64, 64, [1.0; 4]);
     let mut worst_before = 0.0f64;
     for (name, element, azimuth) in [
@@ -125,11 +114,12 @@ fn a_white_field_is_even_through_the_slit_mirror_plate_too() {
         let setup = Setup::new(&scene(azimuth, element)).unwrap();
         let map = map_of(&setup);
         let light = display_image(&white, &map);
-        let evened = even_out(&light, &gain(&setup, &plate, &map), Overflow::Fit);
+        let through = setup.with_plate(plate.clone());
+        let evened = even_out(&light, &gain(&through, &map), Overflow::Fit);
         // About two in five of 2^17 paths form the image: 0.33 % a pixel by chance, less by low discrepancy; the largest and the least of 16 lie
         // three and a half of these apart.
-        let [before, after] = [&light, &evened.display]
-            .map(|d| unevenness(&seen_through(&setup, &plate, d, [6, 6], 1 << 17)));
+        let [before, after] =
+            [&light, &evened.display].map(|d| unevenness(&seen(&through, d, [6, 6], 1 << 17)));
         println!("{name} from {azimuth} degrees: {before:.3} before, {after:.3} after");
         assert!(after <= 1.02, "{name} from {azimuth} degrees: {after} (before: {before})");
         worst_before = worst_before.max(before);
@@ -185,8 +175,9 @@ fn a_map_for_each_colour_takes_the_fringes_away() {
     let (size, middle) = (129, 64);
     let mut picture = Picture::filled(size, size, [0.0, 0.0, 0.0, 1.0]);
     (0..size).for_each(|row| picture.pixels[row * size + middle] = [1.0; 4]);
-    let one = map_of(&Setup::new(&loaded).unwrap());
-    let setups = Setup::by_colour(&loaded).unwrap();
+    let setup = Setup::new(&loaded).unwrap();
+    let one = map_of(&setup);
+    let setups = setup.by_colour();
     let three = setups.each_ref().map(map_of);
     let viewer = Viewer::pinhole(Camera::at_viewpoint(&setups[1], [256, 16]));
     let settings = Settings { samples_per_pixel: 256, seed: 3 };
@@ -194,8 +185,7 @@ fn a_map_for_each_colour_takes_the_fringes_away() {
         [display_image(&picture, &one), display_image_by_colour(&picture, three.each_ref())].map(
             |display| {
                 let setups = setups.each_ref();
-                let watch = Watch::default();
-                render_with_dispersion(setups, &Plate::Ideal, &display, &viewer, &settings, watch)
+                render_by_colour(setups, &display, &viewer, &settings, &(), &mut |_| ())
             },
         );
     let fringe = |view: &Render| {
@@ -242,7 +232,7 @@ fn colours_are_right_through_tinted_glass() {
     let picture = Picture { width: columns * side, height: rows * side, pixels: pixels.collect() };
     let map = map_of(&setup);
     let plain = display_image(&picture, &map);
-    let evened = even_out(&plain, &gain(&setup, &Plate::Ideal, &map), Overflow::Fit);
+    let evened = even_out(&plain, &gain(&setup, &map), Overflow::Fit);
     // Five view pixels along each patch's side; the inner nine show nothing of its neighbours.
     let parts = 5;
     let lab = |[r, g, b]: [f64; 3]| -> Lab<palette::white_point::D65, f64> {

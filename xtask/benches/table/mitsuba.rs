@@ -112,7 +112,7 @@ fn numbers(setup: &Setup) -> String {
         r#"{{"viewpoint": {}, "image": {}, "plate": {}, "display": {}, "resolution": [{}, {}], "radius": 25.0, "ior": 1.49}}"#,
         vector(setup.viewpoint),
         rectangle(&setup.image),
-        rectangle(&setup.plate),
+        rectangle(&setup.plate.rectangle),
         rectangle(&setup.display),
         setup.resolution[0],
         setup.resolution[1],

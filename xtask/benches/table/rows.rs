@@ -2,11 +2,10 @@
 
 use super::{Outcome, set_ups};
 use midair::map::{Accuracy, Map, Status, invert, invert_into, pixel_centre, splat};
-use midair::optics::plate::SlitMirror;
+use midair::optics::plate::{Model, SlitMirror, SlitMirrorPlate};
 use midair::picture::display_image;
 use midair::picture::optimal::{ViewSamples, Weighting, optimal_display};
-use midair::scene::model::PlateModel;
-use midair::simulate::{Camera, Plate, Settings, Viewer, Watch, render};
+use midair::simulate::{Camera, Settings, Viewer, render};
 use midair::transport::Setup;
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -132,15 +131,15 @@ const SIMULATOR: &str = "view light by light, cylinder, slit-mirror plate, 64 pa
 /// floor of doing it this way; what comes on top is the display's four pixels (gathered one by one), the sums, and the one path
 /// in twelve that is reflected inside and followed by itself.
 fn simulator() -> Outcome<Work> {
-    let setup = set_ups::scene("paper/cylinder.toml")?;
-    let plate = Plate::new(&PlateModel::SlitMirror(SlitMirror::default()))?;
+    let plate = Model::from(SlitMirrorPlate::new(SlitMirror::default())?);
+    let setup = set_ups::scene("paper/cylinder.toml")?.with_plate(plate);
     let display = set_ups::picture(1024);
     let camera = Camera::at_viewpoint(&setup, [512, 512]);
     let viewer = Viewer { aperture: 6.0, ..Viewer::pinhole(camera) };
     let settings = Settings { samples_per_pixel: 64, seed: 1 };
     Ok(Box::new(move || {
         let start = std::time::Instant::now();
-        let view = render(&setup, &plate, &display, &viewer, &settings, Watch::default())?;
+        let view = render(&setup, &display, &viewer, &settings, &(), &mut |_| ())?;
         let time = start.elapsed();
         let speed = view.paths as f64 / time.as_secs_f64() * 1e-6;
         let remark =

@@ -12,10 +12,9 @@ use midair::evaluate::paper::{
 };
 use midair::map::format::{FileError, write_bytes_atomically};
 use midair::measure::lpips::{Backbone, Lpips, LpipsError};
-use midair::optics::plate::SlitMirror;
+use midair::optics::plate::{Model, SlitMirror, SlitMirrorPlate};
 use midair::picture::{Depth, Picture, write_still};
 use midair::scene::{Loaded, load};
-use midair::simulate::Plate;
 use midair::simulate::tone::{Exposure, exposed};
 use midair_report::page::Figure;
 use midair_report::paper::{paper_page, strip};
@@ -129,11 +128,10 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         settings.shape_samples_per_pixel = 4 * spp;
     }
     let plate = match arguments.plate {
-        PlateKind::Ideal => Plate::Ideal,
-        PlateKind::SlitMirror => {
-            Plate::new(&midair::scene::model::PlateModel::SlitMirror(SlitMirror::default()))
-                .map_err(|error| Failure::Told { message: error.to_string(), help: None })?
-        }
+        PlateKind::Ideal => Model::Ideal,
+        PlateKind::SlitMirror => SlitMirrorPlate::new(SlitMirror::default())
+            .map(Model::from)
+            .map_err(|error| Failure::Told { message: error.to_string(), help: None })?,
     };
     let (lpips, missing) = match Lpips::find(Backbone::Alex) {
         Ok(lpips) => (Some(lpips), None),

@@ -6,8 +6,9 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::progress::Bar;
 use crate::summary::{Counts, Voice, milliseconds, number, paths, wrote};
+use midair::Monitor as _;
 use midair::evaluate::eyebox::{Remaining, compromise, region, remaining, two_eyes};
-use midair::evaluate::proof::{Watch as _, view_size};
+use midair::evaluate::proof::view_size;
 use midair::geometry::Vec3;
 use midair::map::format::Format;
 use midair::map::{Accuracy, Map, invert};
@@ -84,7 +85,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let bar = Bar::new();
     bar.stage("maps", eyes.len() + 1);
     let map_from = |viewpoint: Vec3| -> Map {
-        let (map, _) = invert(&Setup { viewpoint, ..setup.clone() }, Accuracy::default());
+        let (map, _) = invert(&setup.with_viewpoint(viewpoint), Accuracy::default());
         bar.advance(1);
         map
     };

@@ -11,12 +11,11 @@ use midair::optics::plate::character::{
     over_directions, over_viewpoints, point_spread,
 };
 use midair::optics::plate::{
-    Class, Shares, SlitMirror, SlitMirrorPlate, luminance, viewing_angles,
+    Class, Model, Plate, Shares, SlitMirror, SlitMirrorPlate, luminance, viewing_angles,
 };
 use midair::picture::{Depth, Picture, write_still};
 use midair::scene::Loaded;
 use midair::scene::model::PlateModel;
-use midair::simulate::Plate;
 use midair::transport::Setup;
 use midair_report::drawing::chart_sheet::{Axis, Curve, curves, map, row};
 use midair_report::drawing::{point_spread_chart, shares_chart, viewpoints_chart};
@@ -130,17 +129,24 @@ impl Character {
         }
         let model = SlitMirrorPlate::new(parameters)
             .map_err(|error| Failure::new(error.to_string(), format!("give {}", error.allowed)))?;
-        let setup = Setup::without_elements(loaded);
-        let plate = Plate::from(model.clone()).with_luminance(loaded.luminance.as_ref(), &setup);
+        let mut setup = Setup::new(loaded)?.unobstructed();
+        if loaded.scene.plate.model == PlateModel::Ideal {
+            let mut plate = Plate::new(setup.plate.rectangle, Model::from(model.clone()));
+            if let Some(table) = &loaded.luminance {
+                plate = plate.with_luminance(table.clone(), &setup.image.frame);
+            }
+            setup.plate = plate;
+        }
+        let plate = &setup.plate;
         let centre = setup.image.frame.origin;
         let distance = (setup.viewpoint - centre).length();
         let sight = (centre - setup.viewpoint).normalized();
-        let local = setup.plate.frame.to_local_direction(sight);
+        let local = setup.plate.rectangle.frame.to_local_direction(sight);
         let in_image = setup.image.frame.to_local_direction(sight);
         let arrangement =
-            Arrangement { plate: setup.plate, image: setup.image, display: setup.display };
+            Arrangement { plate: plate.rectangle, image: setup.image, display: setup.display };
         let angles = steps(VIEWERS, 2.0);
-        let efficiency = |d: Vec3| plate.efficiency(d);
+        let efficiency = |d: Vec3| plate.model().efficiency(d);
         let viewpoints =
             over_viewpoints(&arrangement, distance, &angles, &angles, POINTS, efficiency);
         let settings = PointSpreadSettings {
@@ -149,7 +155,7 @@ impl Character {
             rays: RAYS,
             lattice_averaged: true,
         };
-        let spread = point_spread(&model, &setup.plate, &setup.image, centre, &settings);
+        let spread = point_spread(&model, &plate.rectangle, &setup.image, centre, &settings);
         // Up to where a slit is two periods wide.
         let highest = 2.0 / parameters.pitch;
         let frequencies: Vec<f64> = (0..=80).map(|i| highest * f64::from(i) / 80.0).collect();

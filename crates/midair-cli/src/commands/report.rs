@@ -8,7 +8,8 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::progress::Bar;
 use crate::summary::{Voice, paths, wrote};
-use midair::evaluate::proof::{Proof, Settings, Watch as _, prove, view_size};
+use midair::Monitor as _;
+use midair::evaluate::proof::{Proof, Settings, prove, view_size};
 use midair::map::format::{FileError, Format, write_bytes_atomically};
 use midair::picture::{Depth, Picture, Still, write_still};
 use midair::scene::Loaded;
@@ -73,7 +74,7 @@ pub fn write_proof(
     check_view(settings.view, settings.supersampling)?;
     notes.extend(stretch_note(&setup, &still.picture));
     let bar = Bar::new();
-    let proof = prove(loaded, &still.picture, &settings, &bar)?;
+    let proof = prove(&setup, &still.picture, &settings, &bar)?;
     bar.stage("brightness and colour", 1);
     let colour = Colour::of(loaded, &setup, &settings, &proof.map)?;
     bar.finish();

@@ -7,7 +7,7 @@ use midair::picture::{
     Depth, Drive, Evening, Filter, LightFrame, Overflow, Warp, read_still, srgb, write_still,
 };
 use midair::scene::load;
-use midair::simulate::{Plate, image_gain};
+use midair::simulate::image_gain;
 use midair::transport::Setup;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::net::UdpSocket;
@@ -180,15 +180,15 @@ impl Stage {
     }
 
     fn shown_to(&self, x: f64, y: f64, z: f64) -> Vec<u8> {
-        let setup = Setup { viewpoint: Vec3::new(x, y, z), ..self.setup.clone() };
+        let setup = self.setup.with_viewpoint(Vec3::new(x, y, z));
         self.through(&invert(&setup, Accuracy::default()).0)
     }
 
     /// The map for an eye, going on by one ring, and the gain of each of its pixels.
     fn gain(&self, eye: Vec3) -> (Map, Gain) {
-        let setup = Setup { viewpoint: eye, ..self.setup.clone() };
+        let setup = self.setup.with_viewpoint(eye);
         let (map, _) = invert(&setup, Accuracy::default());
-        let gain = midair::simulate::gain(&setup, &Plate::Ideal, &map);
+        let gain = midair::simulate::gain(&setup, &map);
         let known = |pixel: &usize| map.answer(*pixel).is_some();
         let mut ringed = gain.clone();
         for (i, rgb) in ringed.rgb.iter_mut().enumerate().filter(|(i, _)| !known(i)) {
@@ -417,8 +417,8 @@ fn the_gain_of_a_moving_viewer_settles_when_the_viewer_rests() {
         let last = at(34.5);
         // With the gain of the step before the light would be wrong by a tenth somewhere: a light code by 4 %, or 8 codes.
         let (map, own) = stage.gain(last);
-        let before = Setup { viewpoint: at(30.0), ..stage.setup.clone() };
-        let before = image_gain(&before, &Plate::Ideal);
+        let before = stage.setup.with_viewpoint(at(30.0));
+        let before = image_gain(&before);
         let pairs = map.uv.iter().zip(&own.rgb).filter(|(uv, _)| uv[0].is_finite());
         let off = pairs.map(|(&uv, own)| (before.at(uv)[0] / own[0] - 1.0).abs());
         let off = off.fold(0.0, f32::max);

@@ -106,7 +106,7 @@ mod tests {
     use crate::transport::bench_setup::{ACRYLIC, element, setup, sphere};
 
     fn maps(setup: &Setup, eyes: &[Vec3]) -> Vec<Map> {
-        let map = |&viewpoint| invert(&Setup { viewpoint, ..setup.clone() }, Accuracy::default()).0;
+        let map = |&viewpoint| invert(&setup.with_viewpoint(viewpoint), Accuracy::default()).0;
         eyes.iter().map(map).collect()
     }
 

@@ -2,12 +2,13 @@
 //!
 //! The paper names it as its first limitation that the compensation holds for one viewpoint.
 
+use super::proof::ProofError;
 use super::proof::displacement::interpolated;
-use super::proof::{ProofError, Watch};
 use crate::geometry::Vec3;
 use crate::map::{Accuracy, Map, invert};
 use crate::measure::Plane;
 use crate::measure::lattice::{Displacement, LatticeStyle, detect, displacement, draw_lattice};
+use crate::monitor::Monitor;
 use crate::picture::optimal::{ViewSamples, view_through};
 use crate::picture::{Picture, display_image};
 use crate::simulate::Camera;
@@ -67,7 +68,7 @@ pub fn orbit(
     picture: Option<&Picture>,
     azimuths: &[f64],
     settings: &Settings,
-    watch: &dyn Watch,
+    monitor: &dyn Monitor,
 ) -> Result<Vec<Station>, ProofError> {
     // Twice as fine as view and display, so that display pixels average over exact shares of the lines' edges.
     let [columns, rows] = [0, 1].map(|axis| 2 * settings.view[axis].max(setup.resolution[axis]));
@@ -78,7 +79,7 @@ pub fn orbit(
     let mut stations = Vec::with_capacity(azimuths.len());
     for &azimuth in azimuths {
         let eye = eye_at(setup, azimuth);
-        let there = Setup { viewpoint: eye, ..setup.clone() };
+        let there = setup.with_viewpoint(eye);
         let (tracked, _) = invert(&there, Accuracy::default());
         let camera = Camera {
             eye,
@@ -102,7 +103,7 @@ pub fn orbit(
             fixed: seen(&fixed_display, setup)?,
             tracked: seen(&display_image(shown, &tracked), &there)?,
         });
-        watch.advance(1);
+        monitor.advance(1);
     }
     Ok(stations)
 }

@@ -6,10 +6,12 @@
 pub mod emission;
 pub mod glass;
 pub mod glass_file;
+mod index;
 pub mod interface;
 pub mod plate;
 pub mod screen;
 pub mod srgb;
 mod table;
 
+pub use index::Index;
 pub use table::TableError;

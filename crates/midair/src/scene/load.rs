@@ -264,7 +264,7 @@ mod tests {
     }
 
     fn matter(loaded: &Loaded) -> [Matter; 3] {
-        Setup::by_colour(loaded).unwrap().map(|setup| setup.elements[0].matter)
+        Setup::new(loaded).unwrap().by_colour().map(|setup| setup.elements[0].matter)
     }
 
     #[test]

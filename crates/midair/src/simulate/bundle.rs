@@ -7,12 +7,12 @@
 //! first one that light meets. What leaves the course (an inner reflection, another face) is left to [`Stage::follow`]; what
 //! stays on it comes out to the last bit as that would have it.
 
-use super::light::{Chance, Plate, Stage};
+use super::light::{Chance, Stage};
 use super::sequence::Points;
 use crate::geometry::{Convex, Crossing, Frame, Ray, Search, Shape, Vec3};
 use crate::optics::emission::Emission;
 use crate::optics::interface::{attenuate, beer_lambert, fresnel, reflect, refract_with};
-use crate::optics::plate::{Class, SlitMirrorPlate, pass_ideal};
+use crate::optics::plate::{Class, Model, SlitMirrorPlate, pass_ideal};
 use crate::simulate::lens::Lens;
 use crate::transport::Matter;
 
@@ -109,13 +109,13 @@ impl<'a> Straight<'a> {
         if setup.emission != Emission::Lambert {
             return None;
         }
-        let plate = match stage.plate {
-            Plate::Ideal => None,
-            Plate::SlitMirror(plate) => Some(&**plate),
-            Plate::Measured(_) => return None,
+        let plate = match setup.plate.model() {
+            Model::Ideal => None,
+            Model::SlitMirror(plate) => Some(&**plate),
+            Model::Measured(_) => return None,
         };
         let behind_by = plate.map_or(0.0, |plate| 0.5 * plate.parameters().thickness());
-        let before = |point: Vec3| setup.plate.frame.to_local(point).z;
+        let before = |point: Vec3| setup.plate.rectangle.frame.to_local(point).z;
         let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
         let display_behind = corners.iter().all(|&st| before(setup.display.point(st)) < -behind_by);
         if before(eye) <= pupil || !display_behind || setup.max_interactions < 3 {
@@ -244,7 +244,7 @@ impl<'a> Straight<'a> {
 
     #[inline(always)]
     fn through_plate(&self, bundle: &mut Bundle, stage: &Stage) {
-        let plate = stage.setup.plate;
+        let plate = stage.setup.plate.rectangle;
         for i in 0..LANES {
             let ray = bundle.ray(i);
             let distance = plate.plane_distance(&ray);
@@ -427,10 +427,10 @@ mod tests {
     use crate::transport::bench_setup::{block, cone, cylinder, element, setup, sphere};
 
     /// Every path of a view by bundles and one by one; the share of paths that kept to their bundle's course.
-    fn compare(setup: &Setup, plate: &Plate) -> f64 {
+    fn compare(setup: &Setup) -> f64 {
         let pixels = (0..64).map(|i| [(i % 7) as f32 * 0.1, 0.3, (i % 5) as f32 * 0.2, 1.0]);
         let display = Picture { width: 8, height: 8, pixels: pixels.collect() };
-        let stage = Stage { setup, plate, display: &display };
+        let stage = Stage { setup, display: &display };
         let camera = Camera { window: 1.5, ..Camera::at_viewpoint(setup, [64, 64]) };
         let viewer = Viewer { camera, aperture: 8.0, focus: Some(700.0) };
         let lens = Lens::new(&viewer, setup);
@@ -474,16 +474,16 @@ mod tests {
             ..SlitMirror::default()
         };
         let plates = [
-            Plate::Ideal,
-            Plate::from(SlitMirrorPlate::new(SlitMirror::default()).unwrap()),
-            Plate::from(SlitMirrorPlate::new(thick).unwrap()),
+            Model::Ideal,
+            Model::from(SlitMirrorPlate::new(SlitMirror::default()).unwrap()),
+            Model::from(SlitMirrorPlate::new(thick).unwrap()),
         ];
         let clear = Matter::Refractive { index: 1.49, absorption: [0.0; 3] };
         let tinted = Matter::Refractive { index: 1.7, absorption: [0.001, 0.01, 0.0] };
         let turned =
             |shape, matter| vec![element(shape, matter, [1.0, -2.0, 3.0], [10.0, 20.0, 5.0], 0)];
         for plate in &plates {
-            assert_eq!(compare(&setup(30.0, vec![]), plate), 1.0);
+            assert_eq!(compare(&setup(30.0, vec![]).with_plate(plate.clone())), 1.0);
             for elements in [
                 turned(Shape::Convex(Convex::Sphere { radius: 30.0 }), clear),
                 turned(cylinder(30.0, 80.0), tinted),
@@ -496,7 +496,7 @@ mod tests {
                 ),
                 turned(sphere(8.0), clear),
             ] {
-                let kept = compare(&setup(30.0, elements), plate);
+                let kept = compare(&setup(30.0, elements).with_plate(plate.clone()));
                 // About 8 % are reflected inside at these indices, and edges and rims take some more.
                 assert!(kept > 0.3, "{kept}");
             }
@@ -511,7 +511,7 @@ mod tests {
         let of = |elements: Vec<_>, pupil: f64| {
             let setup = setup(20.0, elements);
             let display = Picture::filled(1, 1, [1.0; 4]);
-            let stage = Stage { setup: &setup, plate: &Plate::Ideal, display: &display };
+            let stage = Stage { setup: &setup, display: &display };
             Straight::of(&stage, setup.viewpoint, pupil).is_some()
         };
         assert!(of(vec![], 4.0) && of(vec![ball(clear, 0.0)], 4.0));

@@ -1,6 +1,5 @@
 //! The gain: what the simulator finds on the average, for the one path of each display pixel, in closed form.
 
-use super::Plate;
 use crate::map::{Gain, ImageGain, Map, pixel_centre};
 use crate::picture::Picture;
 use crate::transport::{Path, Setup};
@@ -11,9 +10,9 @@ use rayon::prelude::*;
 /// the mid-air image over the display's along its normal: what a measured display emits less aslant is part of it.
 ///
 /// Light that reflections bring besides is left out: it is what the viewer sees as reflections.
-pub fn gain(setup: &Setup, plate: &Plate, map: &Map) -> Gain {
+pub fn gain(setup: &Setup, map: &Map) -> Gain {
     let of_pixel = |path: &mut Path, pixel: usize| -> Option<[f32; 3]> {
-        Some(arriving(setup, plate, map.answer(pixel)?, path)?.1.map(|share| share as f32))
+        Some(arriving(setup, map.answer(pixel)?, path)?.1.map(|share| share as f32))
     };
     let rgb = (0..map.uv.len())
         .into_par_iter()
@@ -38,10 +37,10 @@ const BENT: f32 = 4e-3;
 /// outline of a ball, towards which Fresnel's share falls steeply, a band of about two cells is off by more than 0.002 of itself, and
 /// with a slit-mirror plate besides a tenth of the ball's points. Nodes
 /// beside the last answered ones are continued by the mean of their neighbours, so that interpolation goes on to the border.
-pub fn image_gain(setup: &Setup, plate: &Plate) -> ImageGain {
+pub fn image_gain(setup: &Setup) -> ImageGain {
     let mut work = ImageGainWork::new(setup.clone());
     loop {
-        if let Some(gain) = work.go_on(plate, usize::MAX) {
+        if let Some(gain) = work.go_on(usize::MAX) {
             return gain;
         }
     }
@@ -64,14 +63,14 @@ impl ImageGainWork {
     }
 
     /// Works out so many rows more. The gain, once it is complete; after that it begins anew.
-    pub fn go_on(&mut self, plate: &Plate, rows: usize) -> Option<ImageGain> {
+    pub fn go_on(&mut self, rows: usize) -> Option<ImageGain> {
         let line = self.cells() + 1;
         let start = self.rgb.len();
         let end = (line * line).min(start.saturating_add(rows.saturating_mul(line)));
         let more: Vec<[f32; 3]> = (start..end)
             .into_par_iter()
             .with_min_len(line)
-            .map_init(Path::new, |path, i| self.node(plate, path, [i % line, i / line]))
+            .map_init(Path::new, |path, i| self.node(path, [i % line, i / line]))
             .collect();
         self.rgb.extend(more);
         if end < line * line {
@@ -96,7 +95,7 @@ impl ImageGainWork {
         if self.coarse.is_some() { COARSE * FINER } else { COARSE }
     }
 
-    fn node(&self, plate: &Plate, path: &mut Path, [column, row]: [usize; 2]) -> [f32; 3] {
+    fn node(&self, path: &mut Path, [column, row]: [usize; 2]) -> [f32; 3] {
         let cells = self.cells() as f64;
         let uv = [column as f64 / cells, 1.0 - row as f64 / cells];
         if let Some((coarse, too_coarse)) = &self.coarse {
@@ -115,7 +114,7 @@ impl ImageGainWork {
                 return coarse.at(uv);
             }
         }
-        let found = arriving(&self.setup, plate, uv, path);
+        let found = arriving(&self.setup, uv, path);
         found.map_or([f32::NAN; 3], |(_, share)| share.map(|share| share as f32))
     }
 }
@@ -150,15 +149,12 @@ fn continued(nodes: Gain) -> Gain {
 }
 
 /// Where on the display the viewer looks who looks at an image point, and which share of the light from there arrives.
-fn arriving(
-    setup: &Setup,
-    plate: &Plate,
-    uv: [f64; 2],
-    path: &mut Path,
-) -> Option<([f64; 2], [f64; 3])> {
+fn arriving(setup: &Setup, uv: [f64; 2], path: &mut Path) -> Option<([f64; 2], [f64; 3])> {
     let st = setup.transport(uv, path).st()?;
     let left = setup.remainder(setup.ray(uv), path)?;
-    let real = plate.real_share(setup.plate.frame.to_local_direction(-left.at_plate.direction));
+    let real = setup
+        .plate
+        .real_share(setup.plate.rectangle.frame.to_local_direction(-left.at_plate.direction));
     let emitted = setup.emitted_against(left.at_display);
     Some((st, [0, 1, 2].map(|c| left.share[c] * real[c] * emitted[c])))
 }
@@ -167,14 +163,13 @@ fn arriving(
 /// where nothing is formed or `shown`, of an image point uv and its display place st, is false.
 pub fn faded_view(
     setup: &Setup,
-    plate: &Plate,
     display: &Picture,
     [width, height]: [usize; 2],
     shown: impl Fn([f64; 2], [f64; 2]) -> bool + Sync,
 ) -> Picture {
     let of_pixel = |path: &mut Path, index: usize| -> Option<[f32; 4]> {
         let uv = pixel_centre(index % width, index / width, width, height);
-        let (st, share) = arriving(setup, plate, uv, path)?;
+        let (st, share) = arriving(setup, uv, path)?;
         if !shown(uv, st) {
             return None;
         }
@@ -202,14 +197,14 @@ mod tests {
             let bits = |gain: &ImageGain| -> Vec<[u32; 3]> {
                 gain.nodes.rgb.iter().map(|rgb| rgb.map(f32::to_bits)).collect()
             };
-            let whole = image_gain(&setup, &Plate::Ideal);
+            let whole = image_gain(&setup);
             assert_eq!((whole.nodes.width, whole.nodes.height), (cells + 1, cells + 1));
             let mut work = ImageGainWork::new(setup);
             // Once more from the beginning.
             for _ in 0..2 {
                 let mut steps = 1;
                 let gain = loop {
-                    if let Some(gain) = work.go_on(&Plate::Ideal, 10) {
+                    if let Some(gain) = work.go_on(10) {
                         break gain;
                     }
                     steps += 1;

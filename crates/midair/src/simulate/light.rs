@@ -1,129 +1,15 @@
 //! One path from the eye to the display, with everything that happens to light on it.
 
-use super::Measured;
-use crate::geometry::{Frame, Ray, Vec3};
+use crate::geometry::Ray;
 use crate::optics::interface::{attenuate, beer_lambert, fresnel, reflect, refract_with};
-use crate::optics::plate::{
-    Class, LayerPlanes, LuminanceTable, PlateError, SlitMirrorPlate, pass_ideal,
-};
+use crate::optics::plate::Class;
 use crate::picture::Picture;
-use crate::scene::Loaded;
-use crate::scene::model::PlateModel;
 use crate::transport::{Action, Matter, Setup, Step, Walk};
-
-/// How the plate treats light.
-#[derive(Clone, Debug)]
-pub enum Plate {
-    /// Plane symmetry without loss, of no thickness.
-    Ideal,
-    /// Slit mirrors, light by light.
-    SlitMirror(Box<SlitMirrorPlate>),
-    /// Either, its image as bright as it was measured.
-    Measured(Box<Measured>),
-}
-
-impl Plate {
-    /// The plate of a scene.
-    ///
-    /// # Errors
-    /// [`PlateError`] names a value that no plate can have.
-    pub fn new(model: &PlateModel) -> Result<Self, PlateError> {
-        Ok(match model {
-            PlateModel::Ideal => Self::Ideal,
-            PlateModel::SlitMirror(parameters) => Self::from(SlitMirrorPlate::new(*parameters)?),
-        })
-    }
-
-    /// Where its two layers are symmetric; `None` where plane and layers are one.
-    pub fn layers(&self) -> Option<LayerPlanes> {
-        match self {
-            Self::Ideal => None,
-            Self::SlitMirror(plate) => Some(LayerPlanes::new(plate.parameters())),
-            Self::Measured(measured) => measured.model.layers(),
-        }
-    }
-
-    /// The plate of a scene, as bright as it was measured if it was.
-    ///
-    /// # Errors
-    /// As [`new`](Self::new).
-    pub fn of_scene(loaded: &Loaded, setup: &Setup) -> Result<Self, PlateError> {
-        let plate = Self::new(&loaded.scene.plate.model)?;
-        Ok(plate.with_luminance(loaded.luminance.as_ref(), setup))
-    }
-
-    /// Luminance of the mid-air image over the display's, for light that leaves the plate along a unit vector in the
-    /// plate's frame, averaged over the lattice.
-    pub fn efficiency(&self, direction: Vec3) -> f64 {
-        match self {
-            Self::Ideal => 1.0,
-            Self::SlitMirror(plate) => plate.efficiency(direction),
-            Self::Measured(measured) => measured.efficiency(direction),
-        }
-    }
-
-    /// Through a plate at `frame`: how, the ray behind it, and the share of light left. `None`: it is lost.
-    #[inline]
-    fn pass(&self, frame: &Frame, ray: &Ray, crossing: Vec3) -> Option<(Class, Ray, [f64; 3])> {
-        match self {
-            Self::Ideal => {
-                let direction = pass_ideal(ray.direction, frame.normal());
-                Some((Class::Real, Ray { origin: crossing, direction }, [1.0; 3]))
-            }
-            Self::SlitMirror(plate) => {
-                let point = frame.to_local(crossing);
-                let passage = plate.pass(point, frame.to_local_direction(ray.direction))?;
-                let behind = Ray {
-                    origin: frame.to_world(passage.exit_point),
-                    direction: frame.to_world_direction(passage.direction),
-                };
-                Some((passage.class, behind, passage.weight))
-            }
-            Self::Measured(measured) => {
-                let (class, behind, mut weight) = measured.model.pass(frame, ray, crossing)?;
-                if class == Class::Real {
-                    // Light goes the other way than the path.
-                    let towards_viewer = frame.to_local_direction(-ray.direction);
-                    attenuate(&mut weight, [measured.correction(towards_viewer); 3]);
-                }
-                Some((class, behind, weight))
-            }
-        }
-    }
-
-    /// Share of the light that leaves the plate along a unit vector in its frame, from the display, that forms the mid-air
-    /// image: by linear R, G, B, averaged over the lattice.
-    pub fn real_share(&self, direction: Vec3) -> [f64; 3] {
-        match self {
-            Self::Ideal => [1.0; 3],
-            Self::SlitMirror(plate) => plate.shares(direction).real,
-            Self::Measured(measured) => {
-                let correction = measured.correction(direction);
-                measured.model.real_share(direction).map(|share| share * correction)
-            }
-        }
-    }
-
-    /// The plate with its image as bright as a table says, if there is one; frames are the set-up's.
-    pub fn with_luminance(self, table: Option<&LuminanceTable>, setup: &Setup) -> Self {
-        match table {
-            Some(table) => Self::Measured(Box::new(Measured::new(self, table.clone(), setup))),
-            None => self,
-        }
-    }
-}
-
-impl From<SlitMirrorPlate> for Plate {
-    fn from(plate: SlitMirrorPlate) -> Self {
-        Self::SlitMirror(Box::new(plate))
-    }
-}
 
 /// All that light meets.
 #[derive(Clone, Copy)]
 pub(super) struct Stage<'a> {
     pub(super) setup: &'a Setup,
-    pub(super) plate: &'a Plate,
     pub(super) display: &'a Picture,
 }
 
@@ -169,10 +55,11 @@ impl Stage<'_> {
         let mut light = [1.0; 3];
         let mut class = None;
         for _ in 0..setup.max_interactions.saturating_add(1) {
-            let goal = if class.is_none() { &setup.plate } else { &setup.display };
+            let goal = if class.is_none() { &setup.plate.rectangle } else { &setup.display };
             let distance = ahead(goal.plane_distance(&walk.ray));
-            if class.is_some() && walk.ray.direction.dot(setup.plate.frame.normal()) > 0.0 {
-                let back = ahead(setup.plate.plane_distance(&walk.ray));
+            if class.is_some() && walk.ray.direction.dot(setup.plate.rectangle.frame.normal()) > 0.0
+            {
+                let back = ahead(setup.plate.rectangle.plane_distance(&walk.ray));
                 if back < distance {
                     // Only an element in between can save it.
                     let step = setup.meet(&walk, back)?;
@@ -197,8 +84,7 @@ impl Stage<'_> {
                     if !at.iter().all(|c| (0.0..=1.0).contains(c)) {
                         return None;
                     }
-                    let (how, behind, weight) =
-                        self.plate.pass(&setup.plate.frame, &walk.ray, point)?;
+                    let (how, behind, weight) = setup.plate.pass(&walk.ray, point)?;
                     attenuate(&mut light, weight);
                     class = Some(how);
                     walk.leave_plate(behind);

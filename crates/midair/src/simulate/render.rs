@@ -3,12 +3,12 @@
 use super::bundle::{Bundle, LANES, Places, Straight};
 use super::film::{Harvest, REPLICATIONS, Render, Row, develop};
 use super::lens::{Lens, Viewer};
-use super::light::{Plate, Stage};
+use super::light::Stage;
 use super::sequence::{Points, mix};
+use crate::monitor::Monitor;
 use crate::picture::Picture;
 use crate::transport::Setup;
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// How much work a render does.
@@ -26,15 +26,9 @@ impl Default for Settings {
     }
 }
 
-/// What watches a render; the default watches nothing.
-#[derive(Default)]
-pub struct Watch<'a> {
-    /// Set from anywhere to stop the render within a row or two; what was gathered is kept.
-    pub cancel: Option<&'a AtomicBool>,
-    /// Called after each pass over the picture: the first one is a preview with 8 paths a pixel,
-    /// and none is more than a sixteenth of the whole.
-    pub pass: Option<&'a mut dyn FnMut(&Progress)>,
-}
+/// Called after each pass over the picture: the first one is a preview with 8 paths a pixel, and none is more than a sixteenth of the
+/// whole.
+pub type Pass<'a> = &'a mut dyn FnMut(&Progress);
 
 /// How far a render is.
 pub struct Progress<'a> {
@@ -94,6 +88,10 @@ pub enum SimulateError {
 
 /// Renders what `viewer` sees of the set-up while the display shows `display` (linear light, 1 = white; alpha is ignored).
 ///
+/// Where an index goes with the wavelength, each colour is followed at its own.
+///
+/// `monitor` stops the render within a row or two; what was gathered is kept. `pass` is told of each pass.
+///
 /// Light is followed backwards, from the pupil through the elements with all their reflections and their absorption,
 /// through the plate and to the display. Views are deterministic for a seed, and unbiased but for paths that are longer
 /// than [`Setup::max_interactions`]: those end dark.
@@ -106,36 +104,39 @@ pub enum SimulateError {
 /// [`SimulateError`] where the arguments leave nothing to render.
 pub fn render(
     setup: &Setup,
-    plate: &Plate,
     display: &Picture,
     viewer: &Viewer,
     settings: &Settings,
-    watch: Watch,
+    monitor: &dyn Monitor,
+    pass: Pass,
 ) -> Result<Render, SimulateError> {
-    let stage = [(Stage { setup, plate, display }, [1.0; 3])];
-    develop_stages(&stage, viewer, settings, watch)
+    if setup.disperses() {
+        let colours = setup.by_colour();
+        return render_by_colour(colours.each_ref(), display, viewer, settings, monitor, pass);
+    }
+    let stage = [(Stage { setup, display }, [1.0; 3])];
+    develop_stages(&stage, viewer, settings, monitor, pass)
 }
 
-/// As [`render`], each colour at its own wavelength: with dispersion. The set-ups are for linear R, G and B,
-/// for instance of [`Setup::by_colour`]; they differ in nothing but indices.
+/// As [`render`] with a set-up for each of linear R, G and B, which differ in nothing but indices.
 /// Three paths are followed with the same random numbers.
 ///
 /// # Errors
 /// As [`render`].
-pub fn render_with_dispersion(
+pub fn render_by_colour(
     setups: [&Setup; 3],
-    plate: &Plate,
     display: &Picture,
     viewer: &Viewer,
     settings: &Settings,
-    watch: Watch,
+    monitor: &dyn Monitor,
+    pass: Pass,
 ) -> Result<Render, SimulateError> {
     let stages: [_; 3] = std::array::from_fn(|c| {
         let mut only = [0.0; 3];
         only[c] = 1.0;
-        (Stage { setup: setups[c], plate, display }, only)
+        (Stage { setup: setups[c], display }, only)
     });
-    develop_stages(&stages, viewer, settings, watch)
+    develop_stages(&stages, viewer, settings, monitor, pass)
 }
 
 /// Renders on all stages, and takes from each the colours that its factors name.
@@ -143,7 +144,8 @@ fn develop_stages(
     stages: &[(Stage, [f64; 3])],
     viewer: &Viewer,
     settings: &Settings,
-    mut watch: Watch,
+    monitor: &dyn Monitor,
+    pass: Pass,
 ) -> Result<Render, SimulateError> {
     check(stages[0].0.display, viewer, settings)?;
     let [width, height] = viewer.camera.size;
@@ -152,35 +154,31 @@ fn develop_stages(
     let straight: Vec<Option<Straight>> =
         stages.iter().map(|(stage, _)| Straight::of(stage, viewer.camera.eye, pupil)).collect();
     let start = Instant::now();
-    let cancelled = || watch.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed));
 
     let total = settings.samples_per_pixel.div_ceil(REPLICATIONS as u32);
     let mut rows: Vec<Row> = (0..height).map(|_| Row::new(width)).collect();
     let mut done = 0;
     while done < total {
         // Doubling passes show a picture soon; later ones are short enough to watch.
-        let pass = done.max(1).min((total / 16).max(1)).min(total - done);
-        let points = Points::new(settings.seed, done, pass);
+        let more = done.max(1).min((total / 16).max(1)).min(total - done);
+        let points = Points::new(settings.seed, done, more);
         rows.par_iter_mut().enumerate().for_each(|(row, line)| {
-            if cancelled() {
+            if monitor.is_cancelled() {
                 return;
             }
-            let of = Line { row, seed: settings.seed, points: &points, count: pass as usize };
+            let of = Line { row, seed: settings.seed, points: &points, count: more as usize };
             for ((stage, colours), straight) in stages.iter().zip(&straight) {
                 stage.row(straight.as_ref(), &lens, of, *colours, line);
             }
-            line.done += pass;
+            line.done += more;
         });
-        if cancelled() {
+        if monitor.is_cancelled() {
             break;
         }
-        done += pass;
-        if let Some(tell) = &mut watch.pass {
-            let [samples_per_pixel, total] = [done, total].map(|n| n * REPLICATIONS as u32);
-            let elapsed = start.elapsed();
-            let paths_each = stages.len();
-            tell(&Progress { samples_per_pixel, total, elapsed, rows: &rows, paths_each });
-        }
+        done += more;
+        let [samples_per_pixel, total] = [done, total].map(|n| n * REPLICATIONS as u32);
+        let (elapsed, paths_each) = (start.elapsed(), stages.len());
+        pass(&Progress { samples_per_pixel, total, elapsed, rows: &rows, paths_each });
     }
     let complete = rows.iter().all(|row| row.done == total);
     Ok(develop(&rows, stages.len(), complete))

@@ -41,7 +41,7 @@ impl Sights {
             let ray = setup.ray([s, t].map(|c| (c - 0.5) * window + 0.5));
             setup.trace(ray, path);
             let left = setup.remainder(ray, path)?;
-            let at = setup.plate.coordinates(left.at_plate.origin);
+            let at = setup.plate.rectangle.coordinates(left.at_plate.origin);
             at.iter().all(|c| (0.0..=1.0).contains(c)).then_some(left)
         };
         let lines = (0..size[0] * size[1]).into_par_iter().map_init(Path::new, line).collect();
@@ -52,7 +52,7 @@ impl Sights {
     /// kind of passage, and whether that is a lit part of the display. Elements before the plate bend stray light as they bend the
     /// image's; behind the plate nothing stands. `setup` says where plate and display stand, `map` which of its pixels are lit.
     pub fn through(&self, plate: &SlitMirrorPlate, setup: &Setup, map: &Map) -> StrayView {
-        let frame = &setup.plate.frame;
+        let frame = &setup.plate.rectangle.frame;
         let lit = |ray: &Ray| -> bool {
             let distance = setup.display.plane_distance(ray);
             if !(distance > 0.0) || ray.direction.dot(setup.display.frame.normal()) >= 0.0 {
@@ -242,7 +242,7 @@ mod tests {
             SlitMirrorPlate::new(SlitMirror { azimuth: 30.0, ..SlitMirror::default() }).unwrap();
         let window = 12.0;
         let view = Sights::new(&setup, [240, 240], window).through(&plate, &setup, &map());
-        let frame = &setup.plate.frame;
+        let frame = &setup.plate.rectangle.frame;
         let eye = frame.to_local(setup.viewpoint);
         let source = frame.to_local(setup.display.frame.origin);
         let mut found = 0;

@@ -3,8 +3,9 @@
 
 use super::*;
 use crate::geometry::{Frame, Ray, Rectangle, Vec3};
+use crate::monitor::Monitor;
 use crate::optics::emission::{Emission, EmissionTable};
-use crate::optics::plate::{SlitMirror, SlitMirrorPlate};
+use crate::optics::plate::{Model, Plate, SlitMirror, SlitMirrorPlate};
 use crate::picture::{Picture, optimal::view_through};
 use crate::transport::bench_setup::{ACRYLIC, block, element, setup, sphere};
 use crate::transport::{Element, Matter, Setup};
@@ -17,21 +18,15 @@ fn white() -> Picture {
 /// A set-up whose display is all that there is behind the plate.
 fn furnace(image: f64, elements: Vec<Element>) -> Setup {
     let mut setup = setup(image, elements);
-    let plate = setup.plate.frame;
+    let plate = setup.plate.rectangle.frame;
     let frame = Frame { origin: plate.origin - plate.normal() * 500.0, axes: plate.axes };
     setup.display = Rectangle { frame, size: [1e6; 2] };
     setup
 }
 
-fn shoot(
-    setup: &Setup,
-    plate: &Plate,
-    display: &Picture,
-    viewer: &Viewer,
-    samples_per_pixel: u32,
-) -> Render {
+fn shoot(setup: &Setup, display: &Picture, viewer: &Viewer, samples_per_pixel: u32) -> Render {
     let settings = Settings { samples_per_pixel, seed: 7 };
-    render(setup, plate, display, viewer, &settings, Watch::default()).expect("sound arguments")
+    render(setup, display, viewer, &settings, &(), &mut |_| ()).expect("sound arguments")
 }
 
 fn pinhole(setup: &Setup, size: [usize; 2]) -> Viewer {
@@ -87,13 +82,14 @@ fn before_a_white_display_each_layer_has_its_share() {
     let setup = furnace(60.0, vec![]);
     let viewer = Viewer { aperture: 6.0, ..pinhole(&setup, [16, 16]) };
     for model in [fine([1.0; 3], [0.0; 3]), fine([0.9, 0.8, 0.6], [0.0, 2.0, 5.0])] {
-        let got = shoot(&setup, &Plate::from(model.clone()), &white(), &viewer, 256);
+        let got = shoot(&setup.with_plate(Model::from(model.clone())), &white(), &viewer, 256);
         let mut expected = [[0.0; 3]; 3];
         for row in 0..16 {
             for column in 0..16 {
                 let centre = [column, row].map(|i| f64::from(i) + 0.5);
                 let ray = viewer.camera.ray(&setup, centre[0], centre[1]);
-                let shares = model.shares(setup.plate.frame.to_local_direction(ray.direction));
+                let shares =
+                    model.shares(setup.plate.rectangle.frame.to_local_direction(ray.direction));
                 for (sum, share) in
                     expected.iter_mut().zip([shares.real, shares.stray, shares.through])
                 {
@@ -126,7 +122,7 @@ fn a_slab_passes_the_sum_of_all_its_bounces() {
     let slab = element(block(200.0, 200.0, 20.0), matter, [0.0, 0.0, 50.0], [0.0; 3], 0);
     // An image so small that all light comes at right angles, to 1e-5 of its energy.
     let setup = furnace(1.0, vec![slab]);
-    let got = shoot(&setup, &Plate::Ideal, &white(), &pinhole(&setup, [16, 16]), 256);
+    let got = shoot(&setup, &white(), &pinhole(&setup, [16, 16]), 256);
     let r = (0.49f64 / 2.49).powi(2);
     let seen = mean(&got.layers.real);
     for c in 0..3 {
@@ -151,8 +147,8 @@ fn total_reflection_loses_nothing() {
     let cube = element(block(20.0, 2000.0, 20.0), ACRYLIC, place, [0.0, 30.0, 0.0], 0);
     let mut setup = furnace(4.0, vec![cube]);
     // After a wall light leaves to the side.
-    setup.plate.size = [1e5; 2];
-    let got = shoot(&setup, &Plate::Ideal, &white(), &pinhole(&setup, [16, 16]), 256);
+    setup.plate.rectangle.size = [1e5; 2];
+    let got = shoot(&setup, &white(), &pinhole(&setup, [16, 16]), 256);
     let f = crate::optics::interface::fresnel(30f64.to_radians().cos(), 1.0 / 1.49);
     let r = f.reflectance();
     // Unpolarised light at each surface, as everywhere in the simulator.
@@ -170,7 +166,7 @@ fn an_ideal_plate_shows_a_dot_where_the_transport_does() {
         let setup = setup(20.0, elements);
         let display = dot(64, column, row);
         let viewer = pinhole(&setup, [48, 48]);
-        let got = shoot(&setup, &Plate::Ideal, &display, &viewer, 64);
+        let got = shoot(&setup, &display, &viewer, 64);
         let mut camera = viewer.camera;
         camera.supersampling = 8;
         let ideal = view_through(&camera.rays(&setup), &display).expect("sizes fit");
@@ -188,10 +184,10 @@ fn an_ideal_plate_shows_a_dot_where_the_transport_does() {
 
 #[test]
 fn a_fine_slit_mirror_plate_images_at_the_plane_symmetric_place() {
-    let setup = setup(20.0, vec![]);
-    let plate = Plate::from(fine([1.0; 3], [0.0; 3]));
+    let plate = Model::from(fine([1.0; 3], [0.0; 3]));
+    let setup = setup(20.0, vec![]).with_plate(plate);
     let viewer = Viewer { aperture: 20.0, ..pinhole(&setup, [40, 40]) };
-    let got = shoot(&setup, &plate, &dot(40, 25, 11), &viewer, 256);
+    let got = shoot(&setup, &dot(40, 25, 11), &viewer, 256);
     let (centre, spread) = moments(&got.layers.real);
     // The plate is 0.05 mm thick, and its two layers focus h / n = 0.02 mm apart; pixels are 0.5 mm.
     assert!((centre[0] - 25.5).hypot(centre[1] - 11.5) < 0.15, "{centre:?}");
@@ -207,7 +203,7 @@ fn out_of_focus_a_point_is_a_disc_of_the_lens_formulas_size() {
     let display = dot(60, 30, 30);
     for focus in [600.0, 1000.0] {
         let viewer = Viewer { camera, aperture: 12.0, focus: Some(focus) };
-        let got = shoot(&setup, &Plate::Ideal, &display, &viewer, 2048);
+        let got = shoot(&setup, &display, &viewer, 2048);
         // Rays that cross at the distance f are spread over A |s - f| / f at the distance s; a view
         // pixel names the place where the eye's own ray meets the image's plane.
         let disc = 12.0 * (800.0 - focus).abs() / focus / 20.0 * 60.0;
@@ -227,14 +223,15 @@ fn stray_images_are_where_the_thin_plate_says() {
     let mut viewer = pinhole(&setup, [100, 100]);
     viewer.camera.window = 10.0;
     let (column, row) = (13, 8);
-    let got = shoot(&setup, &Plate::from(model.clone()), &dot(20, column, row), &viewer, 64);
+    let got =
+        shoot(&setup.with_plate(Model::from(model.clone())), &dot(20, column, row), &viewer, 64);
 
-    let to_plate = |point: Vec3| setup.plate.frame.to_local(point);
+    let to_plate = |point: Vec3| setup.plate.rectangle.frame.to_local(point);
     let st = [(column as f64 + 0.5) / 20.0, 1.0 - (row as f64 + 0.5) / 20.0];
     let (source, eye) = (to_plate(setup.display.point(st)), to_plate(setup.viewpoint));
     let position = |odd| {
         let [x, y] = model.thin_crossing(source, eye, odd).expect("apart");
-        let crossing = setup.plate.frame.to_world(Vec3::new(x, y, 0.0));
+        let crossing = setup.plate.rectangle.frame.to_world(Vec3::new(x, y, 0.0));
         let direction = (crossing - setup.viewpoint).normalized();
         let ray = Ray { origin: setup.viewpoint, direction };
         let point = ray.at(setup.image.plane_distance(&ray));
@@ -269,18 +266,27 @@ fn on_a_smooth_view_the_error_falls_faster_than_one_over_the_root() {
     }
     let camera = Camera { window: 0.4, ..Camera::at_viewpoint(&setup, [12, 12]) };
     let viewer = Viewer { camera, aperture: 8.0, focus: Some(700.0) };
-    let noise = |paths| shoot(&setup, &Plate::Ideal, &ramp, &viewer, paths).error.noise;
+    let noise = |paths| shoot(&setup, &ramp, &viewer, paths).error.noise;
     let (few, many) = (noise(64), noise(1024));
     // 16 times the paths: 4 by chance, 16 to 64 by low discrepancy.
     assert!(few / many > 12.0, "{few} {many}");
     // And the estimate is true: the view of another seed is off by that much.
     let other = Settings { samples_per_pixel: 64, seed: 8 };
-    let other = render(&setup, &Plate::Ideal, &ramp, &viewer, &other, Watch::default());
-    let (a, b) = (shoot(&setup, &Plate::Ideal, &ramp, &viewer, 1024), other.expect("sound"));
+    let other = render(&setup, &ramp, &viewer, &other, &(), &mut |_| ());
+    let (a, b) = (shoot(&setup, &ramp, &viewer, 1024), other.expect("sound"));
     let squares = a.layers.real.pixels.iter().zip(&b.layers.real.pixels);
     let off = squares.map(|(a, b)| f64::from(a[1] - b[1]).powi(2)).sum::<f64>() / 144.0;
     // 144 pixels: their root mean square is sure to 1 / sqrt(288) = 6 %, its estimate about as well.
     assert!((off.sqrt() / few - 1.0).abs() < 0.3, "{} {few}", off.sqrt());
+}
+
+/// A flag that stops the work.
+struct Stop<'a>(&'a AtomicBool);
+
+impl Monitor for Stop<'_> {
+    fn is_cancelled(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
 }
 
 #[test]
@@ -299,8 +305,7 @@ fn a_render_can_be_watched_and_stopped_and_repeats_itself() {
             preview = Some(progress.preview());
         }
     };
-    let watch = Watch { cancel: Some(&cancel), pass: Some(&mut pass) };
-    let partial = render(&setup, &Plate::Ideal, &display, &viewer, &settings, watch).unwrap();
+    let partial = render(&setup, &display, &viewer, &settings, &Stop(&cancel), &mut pass).unwrap();
     assert_eq!(seen, [(8, 256), (16, 256), (32, 256)]);
     assert!(!partial.complete);
     assert_eq!(partial.paths, 8 * 6 * 32);
@@ -308,7 +313,7 @@ fn a_render_can_be_watched_and_stopped_and_repeats_itself() {
 
     let whole = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| shoot(&setup, &Plate::Ideal, &display, &viewer, 32))
+        pool.install(|| shoot(&setup, &display, &viewer, 32))
     };
     let (one, two) = (whole(1), whole(2));
     assert!(one.complete && one == two);
@@ -320,7 +325,7 @@ fn what_cannot_be_rendered_is_said() {
     let viewer = pinhole(&setup, [4, 4]);
     let attempt = |viewer: &Viewer, display: &Picture, samples_per_pixel| {
         let settings = Settings { samples_per_pixel, seed: 0 };
-        render(&setup, &Plate::Ideal, display, viewer, &settings, Watch::default()).map(|_| ())
+        render(&setup, display, viewer, &settings, &(), &mut |_| ()).map(|_| ())
     };
     assert_eq!(attempt(&viewer, &white(), 0), Err(SimulateError::NoPaths));
     let broken = Picture { width: 2, height: 2, pixels: vec![[0.0; 4]; 3] };
@@ -346,13 +351,11 @@ fn with_dispersion_each_colour_goes_its_own_way() {
     let viewer = pinhole(&setups[0], [32, 32]);
     let settings = Settings { samples_per_pixel: 32, seed: 7 };
     let refs = [&setups[0], &setups[1], &setups[2]];
-    let watch = Watch::default();
-    let got =
-        render_with_dispersion(refs, &Plate::Ideal, &display, &viewer, &settings, watch).unwrap();
+    let got = render_by_colour(refs, &display, &viewer, &settings, &(), &mut |_| ()).unwrap();
     assert_eq!(got.paths, 3 * 32 * 32 * 32);
     for (c, setup) in setups.iter().enumerate() {
         // The same random numbers: each colour is that of the whole render at its own index.
-        let alone = shoot(setup, &Plate::Ideal, &display, &viewer, 32);
+        let alone = shoot(setup, &display, &viewer, 32);
         let channel = |r: &Render| r.layers.real.pixels.iter().map(|p| p[c]).collect::<Vec<_>>();
         assert_eq!(channel(&got), channel(&alone));
     }
@@ -373,13 +376,13 @@ fn a_mirror_keeps_its_reflectance_of_each_colour() {
     // The plate is a ceiling, its front downwards, and above it all is white.
     let frame = Frame::new(Vec3::new(0.0, 500.0, 0.0), [90.0, 0.0, 0.0]);
     assert!(frame.normal().y < -0.99);
-    setup.plate = Rectangle { frame, size: [1e4; 2] };
+    setup.plate = Plate::ideal(Rectangle { frame, size: [1e4; 2] });
     let above = Frame { origin: Vec3::new(0.0, 1000.0, 0.0), ..frame };
     setup.display = Rectangle { frame: above, size: [1e6; 2] };
     // Tilted one way the mirror reflects the viewer's sight upwards, the other way down into the dark.
     let seen = [20.0, -20.0].map(|tilt| {
         setup.elements[0].frame = Frame::new(Vec3::ZERO, [tilt, 0.0, 0.0]);
-        mean(&shoot(&setup, &Plate::Ideal, &white(), &pinhole(&setup, [4, 4]), 8).layers.real)
+        mean(&shoot(&setup, &white(), &pinhole(&setup, [4, 4]), 8).layers.real)
     });
     let bright = if seen[0] > seen[1] { seen[0] } else { seen[1] };
     let dark = if seen[0] > seen[1] { seen[1] } else { seen[0] };
@@ -398,15 +401,15 @@ fn the_gain_is_what_light_by_light_is_left() {
         element(sphere(25.0), matter, [0.0; 3], [0.0; 3], 0),
         element(block(50.0, 50.0, 50.0), matter, [0.0; 3], [10.0, 25.0, 0.0], 0),
     ];
-    let plates = [Plate::Ideal, Plate::from(fine([0.9, 0.8, 0.7], [0.0, 0.01, 0.02]))];
+    let plates = [Model::Ideal, Model::from(fine([0.9, 0.8, 0.7], [0.0, 0.01, 0.02]))];
     const SAMPLES: u32 = 1 << 15;
     for (solid, plate) in solids.iter().flat_map(|solid| plates.iter().map(move |p| (solid, p))) {
-        let setup = furnace(20.0, vec![solid.clone()]);
+        let setup = furnace(20.0, vec![solid.clone()]).with_plate(plate.clone());
         // A pixel of the view is 4 mm wide: the gain is averaged over it.
         let (pixels, parts) = (5, 32);
         let across = pixels * parts;
-        let closed = gain(&setup, plate, &crate::map::Map::identity(across, across));
-        let found = shoot(&setup, plate, &white(), &pinhole(&setup, [pixels; 2]), SAMPLES);
+        let closed = gain(&setup, &crate::map::Map::identity(across, across));
+        let found = shoot(&setup, &white(), &pinhole(&setup, [pixels; 2]), SAMPLES);
         let mut expected = vec![[0.0; 3]; pixels * pixels];
         for (index, share) in closed.rgb.iter().enumerate() {
             let (column, row) = (index % across / parts, index / across / parts);
@@ -419,7 +422,7 @@ fn the_gain_is_what_light_by_light_is_left() {
                 let off = (f64::from(real[c]) - expected[c]).abs() / expected[c];
                 // What two more reflections bring: (4 %)^2, seen 0.0015.
                 let mut allowed = 0.002;
-                if matches!(plate, Plate::SlitMirror(_)) {
+                if matches!(plate, Model::SlitMirror(_)) {
                     // A path is the image's or it is not, whichever slits it meets: at least a third are. Five standard errors.
                     allowed += 5.0 * (2.0 / f64::from(SAMPLES)).sqrt();
                 }
@@ -435,9 +438,9 @@ fn the_gain_over_the_image_is_that_of_each_of_its_points() {
     let matter = Matter::Refractive { index: 1.49, absorption: [0.002, 0.005, 0.01] };
     let ball = element(sphere(25.0), matter, [0.0; 3], [0.0; 3], 0);
     let points = crate::map::Map::identity(151, 151);
-    let off = |image: f64, plate: &Plate| -> Vec<f32> {
-        let setup = furnace(image, vec![ball.clone()]);
-        let (exact, over) = (gain(&setup, plate, &points), image_gain(&setup, plate));
+    let off = |image: f64, plate: &Model| -> Vec<f32> {
+        let setup = furnace(image, vec![ball.clone()]).with_plate(plate.clone());
+        let (exact, over) = (gain(&setup, &points), image_gain(&setup));
         let pairs = exact.rgb.iter().zip(&points.uv).filter(|(rgb, _)| rgb[0].is_finite());
         let off = pairs.flat_map(|(rgb, &uv)| {
             let found = over.at(uv);
@@ -446,17 +449,17 @@ fn the_gain_over_the_image_is_that_of_each_of_its_points() {
         off.collect()
     };
     // Smooth: the bound that is promised.
-    let smooth = off(20.0, &Plate::Ideal);
+    let smooth = off(20.0, &Model::Ideal);
     assert_eq!(smooth.len(), 3 * 151 * 151);
     assert!(smooth.iter().all(|&off| off < 1e-3), "{:?}", smooth.iter().copied().reduce(f32::max));
     // An image wider than the ball, cut by its outline (towards which Fresnel's share falls as a root does), and a plate whose efficiency
     // has kinks: there the grid is finer, without a bound. A band of two fine cells along the outline, 2 pi 25 / 60 * 256 = 670 cells
     // long, is 4 % of the ball's 35700 cells.
-    let plate = Plate::from(fine([0.9, 0.8, 0.7], [0.0, 0.01, 0.02]));
+    let plate = Model::from(fine([0.9, 0.8, 0.7], [0.0, 0.01, 0.02]));
     // Both at once, where the ball bends most, are beyond this grid: there a tenth of the points was found to be off by more (10.5 %),
     // a limit that is known and watched here.
     for (rough, most) in
-        [(off(60.0, &Plate::Ideal), 0.04), (off(20.0, &plate), 0.01), (off(60.0, &plate), 0.11)]
+        [(off(60.0, &Model::Ideal), 0.04), (off(20.0, &plate), 0.01), (off(60.0, &plate), 0.11)]
     {
         assert!(rough.iter().all(|off| off.is_finite()));
         let far = rough.iter().filter(|&&off| off > 2e-3).count();
@@ -476,16 +479,17 @@ fn a_measured_table_gives_the_image_its_brightness() {
     let viewer = pinhole(&setup, [16, 16]);
     let model = fine([0.9; 3], [0.0; 3]);
     for (plate, efficiency) in [
-        (Plate::Ideal, 1.0),
+        (Model::Ideal, 1.0),
         // The table is brightest at 9 degrees to the right and upwards.
-        (Plate::from(model.clone()), {
+        (Model::from(model.clone()), {
             let d = crate::optics::plate::viewing_direction([9.0, 9.0]);
-            model.efficiency(setup.plate.frame.to_local_direction(d))
+            model.efficiency(setup.plate.rectangle.frame.to_local_direction(d))
         }),
     ] {
-        let without = shoot(&setup, &plate, &white(), &viewer, 256);
-        let measured = Plate::Measured(Box::new(Measured::new(plate, table.clone(), &setup)));
-        let got = shoot(&setup, &measured, &white(), &viewer, 256);
+        let mut setup = setup.with_plate(plate);
+        let without = shoot(&setup, &white(), &viewer, 256);
+        setup.plate = setup.plate.with_luminance(table.clone(), &setup.image.frame);
+        let got = shoot(&setup, &white(), &viewer, 256);
         for (x, y) in [(2, 13), (13, 2), (8, 8)] {
             let ray = viewer.camera.ray(&setup, f64::from(x) + 0.5, f64::from(y) + 0.5);
             // The image's frame is the world's here.
@@ -519,8 +523,8 @@ fn a_display_that_emits_less_aslant_is_seen_as_its_gain_says() {
     setup.emission = Emission::Measured(std::sync::Arc::new(table));
     let (pixels, parts) = (5, 16);
     let across = pixels * parts;
-    let closed = gain(&setup, &Plate::Ideal, &crate::map::Map::identity(across, across));
-    let found = shoot(&setup, &Plate::Ideal, &white(), &pinhole(&setup, [pixels; 2]), 1 << 12);
+    let closed = gain(&setup, &crate::map::Map::identity(across, across));
+    let found = shoot(&setup, &white(), &pinhole(&setup, [pixels; 2]), 1 << 12);
     for (index, share) in closed.rgb.iter().enumerate() {
         let uv = crate::map::pixel_centre(index % across, index / across, across, across);
         let d = setup.ray(uv).direction;

@@ -3,6 +3,8 @@
 use super::{Element, Matter, Setup};
 use crate::geometry::{Convex, Frame, Rectangle, Shape, Vec3};
 use crate::optics::emission::Emission;
+use crate::optics::plate::Plate;
+use crate::optics::screen::Screen;
 
 pub(crate) const ACRYLIC: Matter = Matter::Refractive { index: 1.49, absorption: [0.0; 3] };
 
@@ -22,10 +24,11 @@ pub(crate) fn setup(size: f64, elements: Vec<Element>) -> Setup {
     Setup {
         viewpoint: Vec3::new(0.0, 0.0, 800.0),
         image,
-        plate,
-        layers: None,
+        plate: Plate::ideal(plate),
         display: Rectangle { frame, size: [size; 2] },
         emission: Emission::Lambert,
+        screen: Screen::default(),
+        wavelengths: [611.0, 549.0, 465.0],
         resolution: [256; 2],
         elements,
         max_interactions: 32,
@@ -42,7 +45,7 @@ pub(crate) fn element(
     rank: u8,
 ) -> Element {
     let frame = Frame::new(Vec3::from_array(position), rotation);
-    Element { name: format!("element {rank}"), frame, shape, matter, rank }
+    Element { name: format!("element {rank}"), frame, shape, matter, index: None, rank }
 }
 
 pub(crate) fn sphere(radius: f64) -> Shape {

@@ -2,10 +2,11 @@
 
 use super::setup::{Element, MAX_SOLIDS, Matter, Setup};
 use crate::geometry::{Convex, HeightField, MeshSurface, Shape, Sheet, Vec3};
+use crate::optics::Index;
 use crate::optics::glass::{self, DESIGN_WAVELENGTH};
 use crate::optics::glass_file::GlassFile;
-use crate::optics::plate::LayerPlanes;
-use crate::scene::model::{self, Facing, HeightSource, Index, Material, PlateModel};
+use crate::optics::plate::{Model, Plate, PlateError, SlitMirrorPlate};
+use crate::scene::model::{self, Facing, HeightSource, Material, PlateModel};
 use crate::scene::{Asset, Loaded};
 use std::sync::Arc;
 
@@ -21,6 +22,9 @@ pub enum SetupError {
     /// An element whose file was not loaded.
     #[error("element \"{0}\": its file was not loaded")]
     NoAsset(String),
+    /// A value that no plate can have.
+    #[error(transparent)]
+    Plate(#[from] PlateError),
 }
 
 impl Setup {
@@ -29,14 +33,6 @@ impl Setup {
     /// # Errors
     /// [`SetupError`] where the scene asks for what cannot be traced.
     pub fn new(loaded: &Loaded) -> Result<Self, SetupError> {
-        Self::at_wavelength(loaded, DESIGN_WAVELENGTH)
-    }
-
-    /// The set-up of a scene with all indices at a wavelength in micrometres.
-    ///
-    /// # Errors
-    /// As [`Setup::new`].
-    pub fn at_wavelength(loaded: &Loaded, wavelength: f64) -> Result<Self, SetupError> {
         let scene = &loaded.scene;
         let mut elements = scene
             .elements
@@ -44,74 +40,61 @@ impl Setup {
             .zip(&loaded.assets)
             .enumerate()
             .map(|(i, (element, asset))| {
-                let glass = loaded.glasses.get(i).and_then(Option::as_deref);
-                place(element, asset, glass, wavelength, scene.display.wavelengths)
+                let glass = loaded.glasses.get(i).and_then(Option::as_ref);
+                place(element, asset, glass, scene.display.wavelengths)
             })
             .collect::<Result<Vec<_>, _>>()?;
         rank(&mut elements, &scene.elements)?;
-        Ok(Self::around(scene, loaded, elements))
-    }
-
-    /// The set-ups of a scene for the display's red, green and blue, each at the wavelength that stands for it.
-    ///
-    /// # Errors
-    /// As [`Setup::new`].
-    pub fn by_colour(loaded: &Loaded) -> Result<[Self; 3], SetupError> {
-        // A micrometre is 1000 nm.
-        let [r, g, b] = loaded.scene.display.wavelengths.map(|nm| nm / 1000.0);
-        Ok([
-            Self::at_wavelength(loaded, r)?,
-            Self::at_wavelength(loaded, g)?,
-            Self::at_wavelength(loaded, b)?,
-        ])
-    }
-
-    /// The same plate and display with no object between, the display where it shows the image undistorted by
-    /// itself: the reference that views are compared with.
-    pub fn without_elements(loaded: &Loaded) -> Self {
-        let mut scene = loaded.scene.clone();
-        scene.elements.clear();
-        scene.display.pose = None;
-        scene.display.size = None;
-        Self::around(&scene, loaded, Vec::new())
+        Self::around(scene, loaded, elements)
     }
 
     /// The scene's viewpoint, image, plate and display around these elements; `loaded` has the display's files.
-    fn around(scene: &model::Scene, loaded: &Loaded, elements: Vec<Element>) -> Self {
-        Self {
+    fn around(
+        scene: &model::Scene,
+        loaded: &Loaded,
+        elements: Vec<Element>,
+    ) -> Result<Self, SetupError> {
+        let image = scene.image.placed();
+        let model = match &scene.plate.model {
+            PlateModel::Ideal => Model::Ideal,
+            PlateModel::SlitMirror(plate) => Model::from(SlitMirrorPlate::new(*plate)?),
+        };
+        let mut plate = Plate::new(scene.plate.rectangle.placed(), model);
+        if let Some(table) = &loaded.luminance {
+            plate = plate.with_luminance(table.clone(), &image.frame);
+        }
+        Ok(Self {
             viewpoint: Vec3::from_array(scene.viewpoint),
-            image: scene.image.placed(),
-            plate: scene.plate.rectangle.placed(),
-            layers: match &scene.plate.model {
-                PlateModel::Ideal => None,
-                PlateModel::SlitMirror(plate) => Some(LayerPlanes::new(plate)),
-            },
+            image,
+            plate,
             display: scene.display_rectangle(),
             emission: loaded.emission.clone(),
+            screen: loaded.screen.clone(),
+            wavelengths: scene.display.wavelengths,
             resolution: scene.display.resolution,
             elements,
             max_interactions: scene.max_interactions,
             follow_total_reflection: scene.follow_total_reflection,
-        }
+        })
     }
 }
 
-/// `wavelength` in micrometres, the display's `colours` in nm.
+/// An element at the design wavelength; the display's `colours` in nm.
 fn place(
     element: &model::Element,
     asset: &Asset,
-    glass: Option<&GlassFile>,
-    wavelength: f64,
+    glass: Option<&Arc<GlassFile>>,
     colours: [f64; 3],
 ) -> Result<Element, SetupError> {
-    let matter = match &element.material {
+    let (matter, index) = match &element.material {
         Material::Refractive { index, absorption } => {
-            let index = index_at(index, glass, wavelength, &element.name)?;
+            let law = law(index, glass, &element.name)?;
             let of_glass = || glass.map(|glass| colours.map(|nm| glass.absorption(nm / 1000.0)));
             let absorption = absorption.or_else(of_glass).unwrap_or_default();
-            Matter::Refractive { index, absorption }
+            let index = law.at(DESIGN_WAVELENGTH);
+            (Matter::Refractive { index, absorption }, Some(law))
         }
-        Material::Mirror { reflectance } => Matter::Mirror { reflectance: *reflectance },
+        Material::Mirror { reflectance } => (Matter::Mirror { reflectance: *reflectance }, None),
     };
     let refractive = matches!(matter, Matter::Refractive { .. });
     Ok(Element {
@@ -119,26 +102,26 @@ fn place(
         frame: element.pose.frame(),
         shape: shape(element, asset, refractive)?,
         matter,
+        index,
         rank: 0,
     })
 }
 
-fn index_at(
-    index: &Index,
-    glass: Option<&GlassFile>,
-    wavelength: f64,
+/// A scene's index as a law of wavelength.
+fn law(
+    index: &model::Index,
+    glass: Option<&Arc<GlassFile>>,
     name: &str,
-) -> Result<f64, SetupError> {
+) -> Result<Index, SetupError> {
     Ok(match index {
-        Index::File(_) => {
-            glass.ok_or_else(|| SetupError::NoAsset(name.to_owned()))?.index(wavelength)
+        model::Index::File(_) => {
+            Index::File(glass.ok_or_else(|| SetupError::NoAsset(name.to_owned()))?.clone())
         }
-        Index::Constant(n) => *n,
-        // Cauchy 1836, to its second term.
-        Index::Cauchy(a, b) => a + b / (wavelength * wavelength),
-        Index::Glass(name) => glass::lookup(name)
-            .ok_or_else(|| SetupError::UnknownGlass(name.clone()))?
-            .index(wavelength),
+        model::Index::Constant(n) => Index::Constant(*n),
+        model::Index::Cauchy(a, b) => Index::Cauchy(*a, *b),
+        model::Index::Glass(name) => {
+            Index::Glass(glass::lookup(name).ok_or_else(|| SetupError::UnknownGlass(name.clone()))?)
+        }
     })
 }
 

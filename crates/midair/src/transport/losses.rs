@@ -39,7 +39,7 @@ impl Setup {
                 );
             }
             if step.action == Action::Plate {
-                let origin = ray.at(self.plate.plane_distance(&ray));
+                let origin = ray.at(self.plate.rectangle.plane_distance(&ray));
                 at_plate = Some(Ray { origin, direction: ray.direction });
                 walk.leave_plate(ahead);
                 continue;

@@ -3,9 +3,11 @@
 use super::path::{Action, End, Path, Step};
 use super::walk::Walk;
 use crate::geometry::{Crossing, Dual, Frame, Ray, Real, Rectangle, Shape, Vec3};
+use crate::optics::Index;
 use crate::optics::emission::Emission;
 use crate::optics::interface::{reflect, refract};
-use crate::optics::plate::{LayerPlanes, pass_ideal};
+use crate::optics::plate::{Model, Plate, display_place, pass_ideal};
+use crate::optics::screen::Screen;
 
 /// What an element is made of, at one wavelength.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,28 +35,36 @@ pub struct Element {
     pub frame: Frame,
     /// Its form.
     pub shape: Shape,
-    /// What it is made of.
+    /// What it is made of, at the set-up's wavelength.
     pub matter: Matter,
+    /// A refractive solid's index by wavelength; `None`: as `matter` says for all.
+    pub index: Option<Index>,
     /// For a refractive solid: its place in the order of priority, unique among the solids, the higher one
     /// fills where several overlap.
     pub rank: u8,
 }
 
-/// A set-up ready for tracing: everything placed in the world, indices fixed to one wavelength.
+/// A set-up ready for tracing: everything placed in the world, indices taken at one wavelength.
+///
+/// It is complete: light is followed, weighed and shown by what it holds. A changed one is made by its `with_` methods, which share what
+/// they do not change.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Setup {
     /// The eye.
     pub viewpoint: Vec3,
     /// The undistorted mid-air image.
     pub image: Rectangle,
     /// The plate; its normal is on the viewer's side.
-    pub plate: Rectangle,
-    /// The planes of symmetry of its two layers; `None` for an ideal plate, which has one.
-    pub layers: Option<LayerPlanes>,
+    pub plate: Plate,
     /// The display; its normal is on the plate's side.
     pub display: Rectangle,
     /// How the display's light goes with the direction.
     pub emission: Emission,
+    /// How the display's codes become light.
+    pub screen: Screen,
+    /// Wavelengths in nm that stand for its red, green and blue.
+    pub wavelengths: [f64; 3],
     /// Display pixels: width, height.
     pub resolution: [usize; 2],
     /// The distortive objects.
@@ -69,6 +79,70 @@ pub struct Setup {
 pub const MAX_SOLIDS: usize = 64;
 
 impl Setup {
+    /// The same, seen from another place.
+    pub fn with_viewpoint(&self, viewpoint: Vec3) -> Self {
+        Self { viewpoint, ..self.clone() }
+    }
+
+    /// The same with a display of another resolution.
+    pub fn with_resolution(&self, resolution: [usize; 2]) -> Self {
+        Self { resolution, ..self.clone() }
+    }
+
+    /// The same with the display at another place.
+    pub fn with_display(&self, display: Rectangle) -> Self {
+        Self { display, ..self.clone() }
+    }
+
+    /// The same with a plate of another model in the plate's place.
+    pub fn with_plate(&self, model: Model) -> Self {
+        Self { plate: Plate::new(self.plate.rectangle, model), ..self.clone() }
+    }
+
+    /// The same plate and display with no object between, the display where it shows the image undistorted by itself: the reference that
+    /// views are compared with.
+    pub fn unobstructed(&self) -> Self {
+        let mut setup = Self { elements: Vec::new(), ..self.clone() };
+        setup.display = setup.display_place();
+        setup
+    }
+
+    /// Where the display belongs if mirrors are flat and solids absent, in the image's size.
+    pub fn display_place(&self) -> Rectangle {
+        let mirrors: Vec<Frame> = self.mirrors().map(|mirror| mirror.frame).collect();
+        let plate = &self.plate.rectangle.frame;
+        display_place(self.image.frame, &mirrors, plate, self.viewpoint, self.image.size)
+    }
+
+    /// The elements that reflect.
+    pub fn mirrors(&self) -> impl Iterator<Item = &Element> {
+        self.elements.iter().filter(|e| matches!(e.matter, Matter::Mirror { .. }))
+    }
+
+    /// The same with all indices at a wavelength in micrometres.
+    pub fn at_wavelength(&self, wavelength: f64) -> Self {
+        let mut setup = self.clone();
+        for element in &mut setup.elements {
+            if let (Matter::Refractive { index, .. }, Some(law)) =
+                (&mut element.matter, &element.index)
+            {
+                *index = law.at(wavelength);
+            }
+        }
+        setup
+    }
+
+    /// The set-ups of the display's red, green and blue, each at the wavelength that stands for it.
+    pub fn by_colour(&self) -> [Self; 3] {
+        // A micrometre is 1000 nm.
+        self.wavelengths.map(|nm| self.at_wavelength(nm / 1000.0))
+    }
+
+    /// Whether an index goes with the wavelength.
+    pub fn disperses(&self) -> bool {
+        self.elements.iter().any(|e| e.index.as_ref().is_some_and(Index::disperses))
+    }
+
     /// The ray from the viewpoint through the image point uv.
     pub fn ray<T: Real>(&self, uv: [T; 2]) -> Ray<T> {
         self.ray_from(self.viewpoint, uv)
@@ -97,7 +171,7 @@ impl Setup {
                 return End::TooManyInteractions;
             }
             let goal = match plate_passed {
-                None => &self.plate,
+                None => &self.plate.rectangle,
                 Some(_) => &self.display,
             };
             let ray = walk.ray;
@@ -137,7 +211,7 @@ impl Setup {
                         seamless: false,
                         action: Action::Plate,
                     };
-                    let at = self.plate.coordinates(ray.at(goal_distance));
+                    let at = self.plate.rectangle.coordinates(ray.at(goal_distance));
                     walk.leave_plate(self.advance(&ray, &step));
                     plate_passed = Some(at.iter().all(|c| (0.0..=1.0).contains(c)));
                     path.push(step);
@@ -180,9 +254,9 @@ impl Setup {
 
     /// The plate: the ray behind it sets out from the plate's plane.
     fn pass_plate<T: Real>(&self, ray: &Ray<T>) -> Ray<T> {
-        let frame = &self.plate.frame;
-        let mut origin = ray.at(self.plate.plane_distance(ray));
-        if let Some(layers) = &self.layers {
+        let frame = &self.plate.rectangle.frame;
+        let mut origin = ray.at(self.plate.rectangle.plane_distance(ray));
+        if let Some(layers) = self.plate.layers() {
             let [x, y] = layers.shift(frame.to_local_direction(ray.direction));
             let [right, up, _] = frame.axes.map(Vec3::constant);
             origin = origin + right.scaled(x) + up.scaled(y);

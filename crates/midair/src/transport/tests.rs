@@ -427,7 +427,7 @@ fn ends_are_explained() {
     );
     assert_eq!(away.transport([0.5, 0.5], &mut path), End::MissedPlate);
     away.elements.clear();
-    away.plate.size = [10.0, 10.0];
+    away.plate.rectangle.size = [10.0, 10.0];
     let end = away.transport([0.99, 0.5], &mut path);
     assert!(matches!(end, End::Display { through_plate: false, .. }) && end.formed().is_none());
     away.max_interactions = 0;

@@ -7,7 +7,7 @@ use super::warper::{Warper, picture};
 use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::summary::{Counts, Voice, milliseconds};
-use midair::evaluate::proof::Watch as _;
+use midair::Monitor as _;
 use midair::map::Map;
 use midair::map::format::FileError;
 use midair::picture::{Curve, Depth, Evening, Sequence, read_still, write_still};

@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::progress::Bar;
 use crate::summary::{Counts, Voice, milliseconds, paths, wrote};
-use midair::evaluate::proof::Watch as _;
+use midair::Monitor as _;
 use midair::picture::{Depth, Sequence, display_image, even_out, read_still, write_still};
 use serde_json::json;
 use std::path::Path;

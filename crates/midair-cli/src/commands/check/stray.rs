@@ -193,7 +193,7 @@ fn drawn(view: &StrayView) -> Picture {
 
 /// A quarter turn of the plate, and the display up to a fifth of its distance nearer to the plate or further off.
 fn limits(setup: &Setup) -> PoseLimits {
-    let frame = &setup.plate.frame;
+    let frame = &setup.plate.rectangle.frame;
     let distance = (setup.display.frame.origin - frame.origin).dot(frame.normal()).abs();
     // Whole millimetres where there are any.
     let most = if distance * SHIFT >= SHIFTS {

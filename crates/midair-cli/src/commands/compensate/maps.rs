@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::progress::Bar;
 use crate::summary::Counts;
-use midair::evaluate::proof::Watch as _;
+use midair::Monitor as _;
 use midair::map::format::{Format, write_channels, write_map_and_gain};
 use midair::map::{Accuracy, Gain, Map, Status, invert, splat};
 use midair::transport::Setup;

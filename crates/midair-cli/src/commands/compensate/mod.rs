@@ -7,7 +7,8 @@ use crate::progress::Bar;
 use crate::summary::{Counts, Voice, number, paths, timings, wrote};
 use clap::ValueEnum;
 use maps::{Solutions, Solved, write_six_channels};
-use midair::evaluate::proof::{Watch as _, view_size};
+use midair::Monitor as _;
+use midair::evaluate::proof::view_size;
 use midair::map::format::{Format, write_bytes_atomically};
 use midair::map::{bleed, forward};
 use midair::picture::Picture;
@@ -22,7 +23,7 @@ mod maps;
 mod show;
 
 pub use maps::write_maps;
-pub use show::{plate, write_display};
+pub use show::write_display;
 
 /// Work out what the display must show: the map, and the display image of a picture
 ///
@@ -104,7 +105,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let mut still =
         arguments.image.as_ref().map(|path| open_picture(path, &mut notes)).transpose()?;
     let setups = match arguments.per_channel {
-        true => Setup::by_colour(&loaded)?.into(),
+        true => Setup::new(&loaded)?.by_colour().into(),
         false => vec![Setup::new(&loaded)?],
     };
     notes.extend(colour_note(&loaded, arguments.per_channel));
@@ -118,7 +119,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let gains = match arguments.gain {
         Some(_) => {
             bar.stage("gain", 1);
-            let (gains, time) = timed(|| gains(&loaded, &solutions))?;
+            let (gains, time) = timed(|| Ok(gains(&solutions)))?;
             laps.push(("gain", time));
             Some(gains)
         }
@@ -135,7 +136,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
             // Nothing needs the photograph after that, and the search needs the memory.
             let pixels = std::mem::take(&mut still.picture.pixels);
             let picture = Picture { pixels, ..still.picture };
-            let (best, time) = timed(|| optimal(&loaded, &solutions, picture, light))?;
+            let (best, time) = timed(|| optimal(&solutions, picture, light))?;
             light = best;
             laps.push(("optimal", time));
         }

@@ -12,21 +12,13 @@ use midair::picture::{
     Depth, Picture, Still, display_image, display_image_by_colour, drive, even_out, write_still,
 };
 use midair::scene::Loaded;
-use midair::simulate::{Camera, Plate, gain};
+use midair::simulate::{Camera, gain};
 use midair::transport::Setup;
 use serde_json::{Value, json};
 
 /// The gain of each map.
-pub fn gains(loaded: &Loaded, solutions: &Solutions) -> Result<Vec<Gain>, Failure> {
-    let plate = plate(loaded, &solutions.main().setup)?;
-    Ok(solutions.0.iter().map(|solved| gain(&solved.setup, &plate, &solved.map)).collect())
-}
-
-/// The scene's plate, as bright as it was measured.
-pub fn plate(loaded: &Loaded, setup: &Setup) -> Result<Plate, Failure> {
-    Plate::of_scene(loaded, setup).map_err(|error| {
-        Failure::new(error.to_string(), "change that value in the scene's [plate]")
-    })
+pub fn gains(solutions: &Solutions) -> Vec<Gain> {
+    solutions.0.iter().map(|solved| gain(&solved.setup, &solved.map)).collect()
 }
 
 /// Each colour's gain from its own map.
@@ -101,7 +93,6 @@ pub fn colour(picture: &Picture, solutions: &Solutions) -> Picture {
 ///
 /// Both pictures are taken over, and rays are traced as they are asked for, so that a megapixel takes little memory.
 pub fn optimal(
-    loaded: &Loaded,
     solutions: &Solutions,
     picture: Picture,
     initial: Picture,
@@ -113,7 +104,7 @@ pub fn optimal(
     // Without elements there is no dispersion: one target for all colours.
     let unbent = display_image(&picture, &Map::identity(width, height));
     drop(picture);
-    let target = view_through(&Reference::new(loaded, &camera), &unbent)?;
+    let target = view_through(&Reference::new(setup, &camera), &unbent)?;
     drop(unbent);
     let best_for = |setup: &Setup, target: Picture, initial: Picture| -> Result<Picture, Failure> {
         Ok(optimal_display(&camera.rays(setup), target, initial, Weighting::default())?.display)

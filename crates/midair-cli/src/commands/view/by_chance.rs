@@ -7,15 +7,13 @@ use crate::output::{INTERRUPTED, Output, stop_on_interrupt};
 use crate::progress::Bar;
 use crate::summary::{Voice, milliseconds, number, paths, wrote};
 use clap::ValueEnum;
-use midair::evaluate::proof::Watch as _;
+use midair::Monitor as _;
+use midair::optics::plate;
 use midair::picture::Depth;
 use midair::scene::Loaded;
 use midair::scene::model::{PlateModel, SlitMirror};
 use midair::simulate::tone::{Exposure, write_layers, write_png};
-use midair::simulate::{
-    Light, Plate, Progress, Render, Settings, Viewer, Watch, render, render_with_dispersion,
-};
-use midair::transport::Setup;
+use midair::simulate::{Light, Progress, Render, Settings, Viewer, render};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::process::ExitCode;
@@ -113,12 +111,19 @@ pub fn run(options: &Options, shot: Shot, voice: Voice) -> Result<ExitCode, Fail
             PlateModel::SlitMirror(SlitMirror::default())
         }
     };
-    let plate = Plate::new(&model).map_err(|error| {
-        Failure::new(error.to_string(), "change the scene's plate, or ask for --plate ideal")
-    })?;
+    let wanted = match (&model, loaded.scene.plate.model) {
+        (a, b) if *a == b => None,
+        (PlateModel::Ideal, _) => Some(plate::Model::Ideal),
+        (PlateModel::SlitMirror(parameters), _) => {
+            let made = plate::SlitMirrorPlate::new(*parameters);
+            Some(
+                made.map_err(|error| Failure::new(error.to_string(), "ask for --plate ideal"))?
+                    .into(),
+            )
+        }
+    };
     // A measurement is of the scene's own plate.
-    let table = loaded.luminance.as_ref().filter(|_| options.plate != Some(Model::Ideal));
-    let plate = plate.with_luminance(table, &setup);
+    let setup = wanted.map_or_else(|| setup.clone(), |model| setup.with_plate(model));
     let viewer = Viewer { camera, aperture: options.aperture.unwrap_or(0.0), focus: options.focus };
     let default = Settings::default();
     let settings = Settings {
@@ -157,21 +162,7 @@ pub fn run(options: &Options, shot: Shot, voice: Voice) -> Result<ExitCode, Fail
             written = Some(Instant::now());
         }
     };
-    let watch = Watch { cancel: Some(cancel), pass: Some(&mut pass) };
-    let rendered = match loaded.scene.disperses() {
-        true => {
-            let colours = Setup::by_colour(&loaded)?;
-            render_with_dispersion(
-                colours.each_ref(),
-                &plate,
-                &still.picture,
-                &viewer,
-                &settings,
-                watch,
-            )
-        }
-        false => render(&setup, &plate, &still.picture, &viewer, &settings, watch),
-    };
+    let rendered = render(&setup, &still.picture, &viewer, &settings, &bar, &mut pass);
     let view = rendered.map_err(|error| Failure::new(error.to_string(), "change that option"))?;
     bar.finish();
     if let Some(failure) = trouble {

@@ -3,7 +3,7 @@
 use super::{coarse, shows};
 use crate::map::{Accuracy, Gain, Map, invert};
 use crate::picture::{Evened, Overflow, Picture, display_image, even_out};
-use crate::simulate::{Plate, faded_view, gain};
+use crate::simulate::{faded_view, gain};
 use crate::transport::Setup;
 
 /// How even a white field is.
@@ -30,18 +30,17 @@ const PIXELS: usize = 256;
 
 /// Looks at a white field through the set-up, in views of `size` pixels. The figures are over the places whose light comes from
 /// ok pixels alone: none of the image's edge, and no folds.
-pub fn evenness(setup: &Setup, plate: &Plate, size: [usize; 2]) -> Evenness {
+pub fn evenness(setup: &Setup, size: [usize; 2]) -> Evenness {
     let setup = coarse(setup.clone(), PIXELS);
     let map: Map = invert(&setup, Accuracy::default()).0;
-    let gain = gain(&setup, plate, &map);
+    let gain = gain(&setup, &map);
     let white = display_image(&Picture::filled(1, 1, [1.0; 4]), &map);
     let fit: Evened = even_out(&white, &gain, Overflow::Fit);
     let clip: Evened = even_out(&white, &gain, Overflow::Clip);
     // Half a display pixel is what interpolation may miss where the map bends.
     let slack = 0.5 / PIXELS as f64;
-    let seen = |display: &Picture| {
-        faded_view(&setup, plate, display, size, |uv, st| shows(&map, st, uv, slack))
-    };
+    let seen =
+        |display: &Picture| faded_view(&setup, display, size, |uv, st| shows(&map, st, uv, slack));
     let views = [seen(&white), seen(&fit.display)];
     let [plain, even] = views.each_ref().map(largest_over_smallest);
     Evenness {

@@ -7,7 +7,6 @@ use crate::map::{Accuracy, Map, invert};
 use crate::measure::lattice::{LatticeStyle, draw_lattice};
 use crate::picture::optimal::{ViewSamples, view_through};
 use crate::picture::{Picture, display_image, display_image_by_colour};
-use crate::scene::Loaded;
 use crate::simulate::Camera;
 use crate::transport::{Path, Setup};
 
@@ -50,15 +49,14 @@ const DRAWN: usize = 768;
 /// # Errors
 /// [`ProofError`] where the scene cannot be traced or the lattice not be drawn.
 pub fn fringes(
-    loaded: &Loaded,
+    setup: &Setup,
     one: &Map,
     style: &LatticeStyle,
     width: usize,
 ) -> Result<Fringes, ProofError> {
-    let main = Setup::new(loaded)?;
-    let setups = Setup::by_colour(loaded)?.map(|setup| coarse(setup, PIXELS));
+    let setups = setup.by_colour().map(|setup| coarse(setup, PIXELS));
     let three = setups.each_ref().map(|setup| invert(setup, Accuracy::default()).0);
-    let camera = Camera::at_viewpoint(&main, view_size(&main, width));
+    let camera = Camera::at_viewpoint(setup, view_size(setup, width));
 
     let mut sums = [FringeWidth { mean: 0.0, max: 0.0 }; 2];
     let (mut places, mut worst) = (0, [0.5; 2]);
@@ -92,7 +90,7 @@ pub fn fringes(
         0 => FringeWidth { mean: f64::NAN, max: f64::NAN },
         n => FringeWidth { mean: sum.mean / n as f64, ..sum },
     });
-    let close_ups = close_ups(&main, &setups, one, &three, style, worst)?;
+    let close_ups = close_ups(setup, &setups, one, &three, style, worst)?;
     let resolution = setups[0].resolution;
     Ok(Fringes { one_map, by_colour, places, resolution, close_ups })
 }

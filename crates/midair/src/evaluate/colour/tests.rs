@@ -1,10 +1,9 @@
 use super::*;
 use crate::map::{Accuracy, invert};
 use crate::measure::lattice::LatticeStyle;
-use crate::optics::plate::{SlitMirror, SlitMirrorPlate};
+use crate::optics::plate::{Model, SlitMirror, SlitMirrorPlate};
 use crate::picture::Picture;
 use crate::scene::{Loaded, load};
-use crate::simulate::Plate;
 use std::io::Write as _;
 
 /// A viewer at 800 mm, an image of 20 mm within the element, a display that is large enough.
@@ -20,8 +19,9 @@ fn loaded(element: &str) -> Loaded {
 }
 
 fn fringes_of(loaded: &Loaded, width: usize) -> Fringes {
-    let one = invert(&Setup::new(loaded).unwrap(), Accuracy::default()).0;
-    fringes(loaded, &one, &LatticeStyle::default(), width).unwrap()
+    let setup = Setup::new(loaded).unwrap();
+    let one = invert(&setup, Accuracy::default()).0;
+    fringes(&setup, &one, &LatticeStyle::default(), width).unwrap()
 }
 
 const SLAB: &str = "[[element]]\nshape = { kind = \"box\", size = [60.0, 60.0, 50.0] }\n";
@@ -33,7 +33,7 @@ fn a_tinted_wedge_is_as_uneven_as_its_thickness_says_and_evens_out() {
     let tinted = "[[element]]\nshape = { kind = \"cylinder\", radius = 25.0, height = 60.0 }\n\
                   material = { ior = 1.0 }\nabsorption = [0.0, 0.02, 0.05]\n";
     let setup = Setup::new(&loaded(tinted)).unwrap();
-    let found = evenness(&setup, &Plate::Ideal, [101, 101]);
+    let found = evenness(&setup, [101, 101]);
     // Glass of index 1 bends nothing: the chord at the outermost pixel (x = 10 less half a pixel, seen from 800 mm) and at the middle.
     let chord = |x: f64| 2.0 * (25.0f64 * 25.0 - x * x).sqrt();
     // Red alone would be even; blue is the worst.
@@ -50,10 +50,10 @@ fn a_tinted_wedge_is_as_uneven_as_its_thickness_says_and_evens_out() {
 #[test]
 fn nothing_in_the_way_is_even_but_for_the_plate() {
     let setup = Setup::new(&loaded("")).unwrap();
-    let found = evenness(&setup, &Plate::Ideal, [32, 32]);
+    let found = evenness(&setup, [32, 32]);
     assert_eq!((found.plain, found.even, found.clipped), (1.0, 1.0, 0.0));
-    let plate = Plate::from(SlitMirrorPlate::new(SlitMirror::default()).unwrap());
-    let found = evenness(&setup, &plate, [32, 32]);
+    let plate = Model::from(SlitMirrorPlate::new(SlitMirror::default()).unwrap());
+    let found = evenness(&setup.with_plate(plate), [32, 32]);
     // Directions over the image differ by 1.4 degrees: enough for the plate's efficiency to vary.
     assert!(found.plain > 1.005 && found.even < 1.001, "{} {}", found.plain, found.even);
 }

@@ -2,15 +2,16 @@
 
 use super::evaluation::{Quality, Scores, Shape, ShapeView};
 use super::stage::{PaperError, Stage, Take};
-use crate::evaluate::proof::Watch;
 use crate::geometry::{Rectangle, Vec3};
 use crate::measure::lattice::{LatticeStyle, detect, displacement, draw_lattice};
 use crate::measure::lpips::Lpips;
 use crate::measure::{Plane, blurred_ssim, ssim_over_channels};
+use crate::monitor::Monitor;
+use crate::optics::plate::Model;
 use crate::picture::Picture;
 use crate::scene::Loaded;
 use crate::simulate::tone::exposed;
-use crate::simulate::{Camera, Light, Plate};
+use crate::simulate::{Camera, Light};
 
 /// How an evaluation is rendered.
 #[derive(Clone, Debug, PartialEq)]
@@ -94,10 +95,10 @@ pub struct QualityView {
 pub fn quality<E: From<PaperError>>(
     subject: Subject,
     photographs: &[Photograph],
-    plate: &Plate,
+    plate: &Model,
     settings: &Settings,
     lpips: Option<&Lpips>,
-    watch: &dyn Watch,
+    monitor: &dyn Monitor,
     mut done: impl FnMut(QualityView) -> Result<(), E>,
 ) -> Result<(), E> {
     let stage = Stage::new(subject.scene, plate).map_err(PaperError::from)?;
@@ -111,7 +112,7 @@ pub fn quality<E: From<PaperError>>(
         window: 1.0,
         supersampling: 1,
     };
-    watch.stage(&format!("{}: views", subject.surface), photographs.len());
+    monitor.stage(&format!("{}: views", subject.surface), photographs.len());
     for photograph in photographs {
         let take = |seed| Take {
             camera,
@@ -139,7 +140,7 @@ pub fn quality<E: From<PaperError>>(
             without: without_scores,
         };
         done(QualityView { row, reference, with, without, exposure })?;
-        watch.advance(1);
+        monitor.advance(1);
     }
     Ok(())
 }
@@ -189,9 +190,9 @@ pub(super) fn cropped(picture: &Picture, proportions: f64) -> Picture {
 /// [`PaperError`] where the scene cannot be traced. Where nothing of the image is formed from an azimuth, its row is empty.
 pub fn shape<E: From<PaperError>>(
     subject: Subject,
-    plate: &Plate,
+    plate: &Model,
     settings: &Settings,
-    watch: &dyn Watch,
+    monitor: &dyn Monitor,
     mut done: impl FnMut(f64, [Picture; 4]) -> Result<(), E>,
 ) -> Result<(Shape, Vec<String>), E> {
     let stage = Stage::new(subject.scene, plate).map_err(PaperError::from)?;
@@ -206,7 +207,7 @@ pub fn shape<E: From<PaperError>>(
     let straight = stage.display(stage.viewpoint(), true, 768)?.showing(&drawn);
     let mut notes = Vec::new();
     let mut views = Vec::new();
-    watch.stage(&format!("{}: lattice", subject.surface), settings.azimuths.len());
+    monitor.stage(&format!("{}: lattice", subject.surface), settings.azimuths.len());
     for &azimuth in &settings.azimuths {
         let eye = orbited(stage.viewpoint(), image.frame.origin, azimuth);
         let camera = Camera {
@@ -280,7 +281,7 @@ pub fn shape<E: From<PaperError>>(
         let [with, kept, without] = found.map(|found| found.map(|found| found.mean));
         views.push(ShapeView { azimuth, with, kept, without, intersections });
         done(azimuth, [seen_reference, seen_with, seen_kept, seen_without])?;
-        watch.advance(1);
+        monitor.advance(1);
     }
     Ok((Shape { surface: subject.surface.to_owned(), views }, notes))
 }

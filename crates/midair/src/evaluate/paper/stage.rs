@@ -2,12 +2,11 @@
 
 use crate::geometry::{Rectangle, Vec3};
 use crate::map::{Accuracy, Map, invert};
+use crate::optics::plate::Model;
 use crate::picture::{Picture, display_image};
 use crate::scene::model::{Material, Shape};
 use crate::scene::{Asset, Loaded};
-use crate::simulate::{
-    Camera, Light, Plate, Settings as RenderSettings, SimulateError, Viewer, Watch, render,
-};
+use crate::simulate::{Camera, Light, Settings as RenderSettings, SimulateError, Viewer, render};
 use crate::transport::{End, Path, Setup, SetupError};
 
 /// Why an evaluation cannot be done.
@@ -49,7 +48,6 @@ pub(super) struct Stage<'a> {
     object: Setup,
     /// Without it: solids taken away, bent mirrors made flat, for without a mirror the image could not be seen from there.
     without: Setup,
-    plate: &'a Plate,
 }
 
 /// A display in its place, and what it shows.
@@ -71,7 +69,7 @@ pub(super) struct Take {
 }
 
 impl<'a> Stage<'a> {
-    pub fn new(loaded: &'a Loaded, plate: &'a Plate) -> Result<Self, SetupError> {
+    pub fn new(loaded: &'a Loaded, plate: &Model) -> Result<Self, SetupError> {
         let mut flat = loaded.clone();
         // Where the image belongs without the object.
         flat.scene.display.pose = None;
@@ -90,11 +88,10 @@ impl<'a> Stage<'a> {
             element.shape = Shape::Plane { size };
             *asset = Asset::None;
         }
-        let through = |loaded: &Loaded| {
-            let setup = Setup::new(loaded)?;
-            Ok(Setup { layers: plate.layers(), ..setup })
+        let through = |loaded: &Loaded| -> Result<Setup, SetupError> {
+            Ok(Setup::new(loaded)?.with_plate(plate.clone()))
         };
-        Ok(Self { loaded, object: through(loaded)?, without: through(&flat)?, plate })
+        Ok(Self { loaded, object: through(loaded)?, without: through(&flat)? })
     }
 
     pub fn image(&self) -> Rectangle {
@@ -141,8 +138,7 @@ impl<'a> Stage<'a> {
         let viewer = Viewer { camera: take.camera, aperture: take.aperture, focus: None };
         let settings =
             RenderSettings { samples_per_pixel: take.samples_per_pixel, seed: take.seed };
-        let rendered =
-            render(&setup, self.plate, &shown.picture, &viewer, &settings, Watch::default())?;
+        let rendered = render(&setup, &shown.picture, &viewer, &settings, &(), &mut |_| ())?;
         Ok(rendered.view(take.light))
     }
 }

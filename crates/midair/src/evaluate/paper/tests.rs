@@ -3,10 +3,9 @@
 use super::run::{cropped, orbited, sensor};
 use super::*;
 use crate::geometry::{Frame, Ray, Rectangle, Vec3};
-use crate::optics::plate::{Class, SlitMirror, SlitMirrorPlate};
+use crate::optics::plate::{Class, Model, SlitMirror, SlitMirrorPlate};
 use crate::picture::Picture;
 use crate::scene::{Loaded, load};
-use crate::simulate::Plate;
 use crate::transport::{Path as TransportPath, Setup};
 use std::path::Path;
 
@@ -52,7 +51,7 @@ fn through_an_ideal_plate_compensation_restores_the_reference() {
         quality::<PaperError>(
             subject,
             &[photograph(150, 100)],
-            &Plate::Ideal,
+            &Model::Ideal,
             &settings,
             None,
             &(),
@@ -87,7 +86,7 @@ fn the_cube_displaces_the_lattice_as_a_slab_does() {
         ..small()
     };
     let mut views = 0;
-    let (found, notes) = shape::<PaperError>(subject, &Plate::Ideal, &settings, &(), |_, _| {
+    let (found, notes) = shape::<PaperError>(subject, &Model::Ideal, &settings, &(), |_, _| {
         views += 1;
         Ok(())
     })
@@ -120,14 +119,14 @@ fn the_map_knows_the_mean_of_what_slit_mirrors_do() {
     let ideal = setup.clone();
     let parameters = SlitMirror::default();
     let plate = SlitMirrorPlate::new(parameters).unwrap();
-    setup.layers = Plate::from(plate.clone()).layers();
+    setup = setup.with_plate(Model::from(plate.clone()));
     let mut path = TransportPath::new();
     let mut off = Vec::new();
     for uv in (0..25).map(|i| [0.1 + 0.2 * f64::from(i % 5), 0.1 + 0.2 * f64::from(i / 5)]) {
         let Some(st) = setup.transport(uv, &mut path).st() else { continue };
         let there = setup.display.point(st);
         let left = setup.remainder(setup.ray(uv), &path).unwrap();
-        let frame = &setup.plate.frame;
+        let frame = &setup.plate.rectangle.frame;
         let (at, d) = (
             frame.to_local(left.at_plate.origin),
             frame.to_local_direction(left.at_plate.direction),

@@ -1,7 +1,8 @@
 //! The paper's own method, measured beside the exact map.
 
-use super::{ProofError, Shown, Watch};
+use super::{ProofError, Shown};
 use crate::map::{Map, Status, splat};
+use crate::monitor::Monitor;
 use crate::transport::Setup;
 use std::time::{Duration, Instant};
 
@@ -33,10 +34,10 @@ impl Baseline {
         setup: &Setup,
         exact: &Map,
         spp: usize,
-        watch: &dyn Watch,
+        monitor: &dyn Monitor,
     ) -> Result<Self, ProofError> {
         let start = Instant::now();
-        let splat = splat(setup, spp, &|rows| watch.advance(rows));
+        let splat = splat(setup, spp, &|rows| monitor.advance(rows));
         let time = start.elapsed();
         let (mut squares, mut max_error, mut count) = (0.0, 0.0f64, 0usize);
         for index in 0..exact.uv.len() {

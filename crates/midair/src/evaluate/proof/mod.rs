@@ -16,6 +16,7 @@ pub use likeness::{Likeness, Region};
 pub use reference::Reference;
 pub use uncompensated::uncompensated_map;
 
+use crate::Monitor;
 use crate::map::{Accuracy, Effort, Formation, Map, formation, invert};
 use crate::measure::SimilarityError;
 use crate::measure::lattice::{LatticeStyle, LatticeStyleError, draw_lattice};
@@ -23,7 +24,6 @@ use crate::picture::optimal::{
     OptimalError, ViewSamples, Weighting, optimal_display, scatter_average, view_through,
 };
 use crate::picture::{Picture, display_image};
-use crate::scene::Loaded;
 use crate::simulate::Camera;
 use crate::transport::{Setup, SetupError};
 use std::time::{Duration, Instant};
@@ -59,17 +59,6 @@ pub fn view_size(setup: &Setup, width: usize) -> [usize; 2] {
     let [w, h] = setup.image.size;
     [width, ((width as f64 * h / w).round() as usize).max(1)]
 }
-
-/// Who is told how far the work is.
-pub trait Watch: Sync {
-    /// A stage of so many steps begins.
-    fn stage(&self, _name: &str, _steps: usize) {}
-    /// So many steps of it are done.
-    fn advance(&self, _steps: usize) {}
-}
-
-/// Nobody.
-impl Watch for () {}
 
 /// Why nothing can be proved.
 #[derive(Debug, thiserror::Error)]
@@ -150,20 +139,19 @@ pub struct LatticeProof {
 /// # Errors
 /// [`ProofError`] where the scene cannot be traced or the settings cannot be met.
 pub fn prove(
-    loaded: &Loaded,
+    setup: &Setup,
     picture: &Picture,
     settings: &Settings,
-    watch: &dyn Watch,
+    monitor: &dyn Monitor,
 ) -> Result<Proof, ProofError> {
-    let setup = Setup::new(loaded)?;
     let mut clock = Clock::start();
 
-    watch.stage("map", 1);
-    let (map, effort) = invert(&setup, Accuracy::default());
+    monitor.stage("map", 1);
+    let (map, effort) = invert(setup, Accuracy::default());
     let map_time = clock.lap("map");
 
-    watch.stage("what can be formed", 1);
-    let formation = formation(&setup, &map, settings.view);
+    monitor.stage("what can be formed", 1);
+    let formation = formation(setup, &map, settings.view);
     let region = Region::of(&formation);
     clock.lap("formation");
 
@@ -173,24 +161,24 @@ pub fn prove(
         window: 1.0,
         supersampling: settings.supersampling,
     };
-    watch.stage("rays of the view", settings.view[1]);
-    let samples = ViewSamples::of(&camera.rays(&setup), &|rows| watch.advance(rows));
-    watch.stage("rays of the reference", settings.view[1]);
-    let open = Reference::new(loaded, &camera);
-    let open_samples = ViewSamples::of(&open, &|rows| watch.advance(rows));
+    monitor.stage("rays of the view", settings.view[1]);
+    let samples = ViewSamples::of(&camera.rays(setup), &|rows| monitor.advance(rows));
+    monitor.stage("rays of the reference", settings.view[1]);
+    let open = Reference::new(setup, &camera);
+    let open_samples = ViewSamples::of(&open, &|rows| monitor.advance(rows));
     let reference_completed = open.completed();
     clock.lap("view_rays");
 
     let [width, height] = setup.resolution;
-    let as_is = uncompensated_map(loaded, &setup);
+    let as_is = uncompensated_map(setup);
     let identity = Map::identity(width, height);
 
-    watch.stage("pictures", 4);
+    monitor.stage("pictures", 4);
     let reference = view_through(&open_samples, &display_image(picture, &identity))?;
     let shown = |display: Picture, time: Duration| -> Result<Shown, ProofError> {
         let view = view_through(&samples, &display)?;
         let likeness = region.likeness(&view, &reference)?;
-        watch.advance(1);
+        monitor.advance(1);
         Ok(Shown { display, view, likeness, time })
     };
     let timed = |make: &dyn Fn() -> Result<Picture, OptimalError>| -> Result<_, ProofError> {
@@ -208,23 +196,23 @@ pub fn prove(
     let optimal = shown(display, time)?;
     clock.lap("pictures");
 
-    watch.stage("lattice", 3);
+    monitor.stage("lattice", 3);
     // Twice as fine as view and display, so that display pixels average over exact shares of the lines' edges.
     let [columns, rows] = [0, 1].map(|axis| 2 * settings.view[axis].max(setup.resolution[axis]));
     let drawn = draw_lattice(columns, rows, &settings.lattice)?;
     let flat = view_through(&open_samples, &display_image(&drawn, &identity))?;
-    watch.advance(1);
+    monitor.advance(1);
     let lattice = {
-        let sight = displacement::Sight { setup: &setup, map: &map };
+        let sight = displacement::Sight { setup, map: &map };
         let measure = displacement::Measure::new(&settings.lattice, &flat);
         let view = view_through(&samples, &display_image(&drawn, &map))?;
         let compensated = measure.shape(view, |uv| sight.compensated(uv), &camera);
-        watch.advance(1);
+        monitor.advance(1);
         let view = view_through(&samples, &display_image(&drawn, &as_is))?;
-        let shown_at = uncompensated::AsIs::new(loaded, &setup);
+        let shown_at = uncompensated::AsIs::new(setup);
         let place = |uv| sight.uncompensated(shown_at.shown_at(uv));
         let uncompensated = measure.shape(view, place, &camera);
-        watch.advance(1);
+        monitor.advance(1);
         LatticeProof { reference: flat, compensated, uncompensated }
     };
     clock.lap("lattice");
@@ -232,8 +220,8 @@ pub fn prove(
     let splat = match settings.splat_spp {
         0 => None,
         spp => {
-            watch.stage("the paper's method", height);
-            let baseline = Baseline::measure(&setup, &map, spp, watch)?;
+            monitor.stage("the paper's method", height);
+            let baseline = Baseline::measure(setup, &map, spp, monitor)?;
             let start = Instant::now();
             let display = display_image(picture, &baseline.map);
             let shown = shown(display, start.elapsed())?;

@@ -1,7 +1,6 @@
 //! What should be seen.
 
 use crate::picture::optimal::ViewRays;
-use crate::scene::Loaded;
 use crate::simulate::Camera;
 use crate::transport::Setup;
 use std::ops::Range;
@@ -20,9 +19,9 @@ pub struct Reference<'a> {
 }
 
 impl<'a> Reference<'a> {
-    /// The camera's rays through the scene without its elements.
-    pub fn new(loaded: &Loaded, camera: &'a Camera) -> Self {
-        let setup = Setup::without_elements(loaded);
+    /// The camera's rays through the set-up without its elements.
+    pub fn new(setup: &Setup, camera: &'a Camera) -> Self {
+        let setup = setup.unobstructed();
         Self { setup, camera, asked: AtomicUsize::new(0), completed: AtomicUsize::new(0) }
     }
 

@@ -1,6 +1,6 @@
 use super::*;
 use crate::map::ImagePoint;
-use crate::scene::{Format, parse, with_files};
+use crate::scene::{Format, Loaded, parse, with_files};
 use crate::scene::{SceneText, load};
 use std::io::Write as _;
 
@@ -35,7 +35,7 @@ fn picture(size: usize) -> Picture {
 #[test]
 fn without_an_object_all_ways_show_the_reference() {
     let loaded = loaded(800.0, "[display]\nresolution = [256, 256]\n");
-    let proof = prove(&loaded, &picture(256), &settings(256), &()).unwrap();
+    let proof = prove(&Setup::new(&loaded).unwrap(), &picture(256), &settings(256), &()).unwrap();
     for shown in [&proof.uncompensated, &proof.compensated, &proof.optimal] {
         let likeness = shown.likeness.unwrap();
         // The map is exact to 1e-6 of 1, a four-thousandth of a pixel.
@@ -71,7 +71,7 @@ fn a_tilted_slab_displaces_the_lattice_by_the_textbook_shift() {
          shape = { kind = \"box\", size = [200.0, 200.0, 50.0] }\nrotation = [0.0, 3.0, 0.0]\n\
          material = { ior = 1.49 }\n",
     );
-    let proof = prove(&loaded, &picture(512), &settings(512), &()).unwrap();
+    let proof = prove(&Setup::new(&loaded).unwrap(), &picture(512), &settings(512), &()).unwrap();
     let expected = shift / 30.0 * 512.0;
     let uncompensated = &proof.lattice.uncompensated;
     // The eye at 300 m sees the image's edge under 5e-5 rad: of 50 mm that is 0.0025 mm, 0.04 pixels, at most.
@@ -98,7 +98,7 @@ fn an_uncompensated_display_is_right_where_nothing_distorts() {
     let loaded = with_files(parsed, text, Default::default()).unwrap();
     let setup = Setup::new(&loaded).unwrap();
     let (map, _) = invert(&setup, Accuracy::default());
-    let as_is = uncompensated_map(&loaded, &setup);
+    let as_is = uncompensated_map(&setup);
     let mut compared = 0;
     for (a, b) in as_is.uv.iter().zip(&map.uv) {
         if a[0].is_finite() && b[0].is_finite() {
@@ -108,7 +108,7 @@ fn an_uncompensated_display_is_right_where_nothing_distorts() {
     }
     // The image covers 60/66 by 60/75 of the display.
     assert!(compared as f64 > 0.98 * 128.0 * 128.0 * (60.0 / 66.0) * (60.0 / 75.0), "{compared}");
-    let st = uncompensated::AsIs::new(&loaded, &setup).shown_at([0.2, 0.7]);
+    let st = uncompensated::AsIs::new(&setup).shown_at([0.2, 0.7]);
     let end = setup.transport([0.2, 0.7], &mut Default::default()).formed().unwrap();
     assert!((st[0] - end[0]).hypot(st[1] - end[1]) < 1e-9);
 }
@@ -143,7 +143,8 @@ fn a_completed_reference_is_what_a_larger_plate_would_show() {
         scene
     };
     let (whole, part) = (with_plate(488.0), with_plate(12.0));
-    let setup = Setup::new(&whole).unwrap();
+    let [whole, part] = [whole, part].map(|loaded| Setup::new(&loaded).unwrap());
+    let setup = &whole;
     let camera = Camera { eye: setup.viewpoint, size: [31, 23], window: 1.0, supersampling: 2 };
     let (whole, part) = (Reference::new(&whole, &camera), Reference::new(&part, &camera));
     let [all, some] = [&whole, &part].map(|rays| ViewSamples::of(rays, &|_| {}));

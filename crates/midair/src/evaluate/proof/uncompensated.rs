@@ -2,8 +2,6 @@
 
 use crate::geometry::Rectangle;
 use crate::map::{Map, Status, pixel_centre};
-use crate::scene::Loaded;
-use crate::scene::model::Material;
 use crate::transport::Setup;
 
 /// Where a display without compensation shows the image: in its true size, at the place where it belongs if mirrors are flat
@@ -17,14 +15,10 @@ pub(super) struct AsIs {
 }
 
 impl AsIs {
-    pub fn new(loaded: &Loaded, setup: &Setup) -> Self {
-        let mut scene = loaded.scene.clone();
-        scene.display.pose = None;
-        scene.display.size = None;
-        let mirrors = scene.elements.iter();
-        let mirrors = mirrors.filter(|e| matches!(e.material, Material::Mirror { .. })).count();
+    pub fn new(setup: &Setup) -> Self {
         // A display is never a mirror-reversed thing, so behind an odd number of mirrors s runs against u.
-        Self { place: scene.display_rectangle(), display: setup.display, turned: mirrors % 2 == 1 }
+        let turned = setup.mirrors().count() % 2 == 1;
+        Self { place: setup.display_place(), display: setup.display, turned }
     }
 
     /// The display point that shows an image point.
@@ -44,8 +38,8 @@ impl AsIs {
 
 /// The map of a display that shows the image as it is: in its true size where it belongs if mirrors are flat and solids
 /// absent, as far as the display reaches there. Then the viewer would see the image undistorted.
-pub fn uncompensated_map(loaded: &Loaded, setup: &Setup) -> Map {
-    let as_is = AsIs::new(loaded, setup);
+pub fn uncompensated_map(setup: &Setup) -> Map {
+    let as_is = AsIs::new(setup);
     let [width, height] = setup.resolution;
     let mut map = Map::unanswered(width, height);
     for index in 0..width * height {

@@ -232,7 +232,7 @@ fn borders_edges_and_folds_are_told_apart() {
 #[test]
 fn a_small_plate_blocks_pixels() {
     let mut small = setup(40.0, vec![]);
-    small.plate.size = [20.0, 300.0];
+    small.plate.rectangle.size = [20.0, 300.0];
     let mut map = Map::unanswered(64, 64);
     invert_into(&small, Accuracy::default(), &mut map);
     // By hand: the plate's crossing lies 150 mm behind the image, where 800 mm before it the eye sees 20 mm as 20 / 950 * 800
@@ -282,11 +282,11 @@ fn arbitrary_mirror() -> impl Strategy<Value = Setup> {
                 )],
             );
             setup.viewpoint = crate::geometry::Vec3::new(0.0, 400.0, 690.0);
-            setup.plate.frame = crate::geometry::Frame::new(
+            setup.plate.rectangle.frame = crate::geometry::Frame::new(
                 crate::geometry::Vec3::new(0.0, -100.0, -200.0),
                 [0.0; 3],
             );
-            let behind = |p: crate::geometry::Vec3| setup.plate.mirrored(p);
+            let behind = |p: crate::geometry::Vec3| setup.plate.rectangle.mirrored(p);
             // The display stands at the plate-mirrored place of the image's mirror image in y = -25.
             let origin = behind(crate::geometry::Vec3::new(0.0, -50.0, 0.0));
             let up = crate::geometry::Vec3::new(0.0, -1.0, 0.0);

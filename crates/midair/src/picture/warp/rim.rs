@@ -235,7 +235,7 @@ mod tests {
         // A part of the light passes the plate by.
         let made =
             made.into_iter().zip([[131, 197], [64, 111], [40, 30]]).map(|(mut setup, size)| {
-                setup.plate.size = [25.0; 2];
+                setup.plate.rectangle.size = [25.0; 2];
                 Setup { resolution: size, ..setup }
             });
         let paper = ["sphere", "cube", "cylinder", "bent-mirror-convex"].map(|name| {

@@ -5,7 +5,7 @@ use crate::evaluate::proof::uncompensated_map;
 use crate::geometry::Vec3;
 use crate::picture::display_image;
 use crate::scene::load;
-use crate::simulate::{Camera, Light, Plate, Settings, Viewer, Watch, render};
+use crate::simulate::{Camera, Light, Settings, Viewer, render};
 use crate::transport::{Path, Setup};
 
 /// The eye carried about the vertical through `centre`, degrees.
@@ -55,19 +55,16 @@ fn intersections_are_found_where_the_transport_predicts_them() {
     for (name, azimuth, least) in cases {
         let loaded = load(&root.join(format!("{name}.toml"))).unwrap();
         let mut setup = Setup::new(&loaded).unwrap();
-        let mut scene = loaded.scene.clone();
-        (scene.display.pose, scene.display.size) = (None, None);
-        setup.display = scene.display_rectangle();
+        setup.display = setup.display_place();
         setup.resolution = [768, 768];
-        let map = uncompensated_map(&loaded, &setup);
+        let map = uncompensated_map(&setup);
         let shown = display_image(&draw_lattice(768, 768, &style).unwrap(), &map);
         setup.viewpoint = carried(setup.viewpoint, setup.image.frame.origin, azimuth);
         let camera =
             Camera { eye: setup.viewpoint, size: [480, 480], window: 1.8, supersampling: 1 };
         let viewer = Viewer { camera, aperture: 0.0, focus: None };
         let settings = Settings { samples_per_pixel: 16, seed: 0 };
-        let view =
-            render(&setup, &Plate::Ideal, &shown, &viewer, &settings, Watch::default()).unwrap();
+        let view = render(&setup, &shown, &viewer, &settings, &(), &mut |_| ()).unwrap();
         let found = detect(&Plane::luminance(&view.view(Light::Real)), 7).unwrap();
         let mut squares = Vec::new();
         for (point, [u, v]) in found.points().iter().zip(style.intersections_uv()) {

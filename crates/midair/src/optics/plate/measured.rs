@@ -1,9 +1,7 @@
 //! A plate whose image is as bright as it was measured.
 
-use super::Plate;
+use super::{LuminanceTable, Model, viewing_angles, viewing_direction};
 use crate::geometry::{Frame, Vec3};
-use crate::optics::plate::{LuminanceTable, viewing_angles, viewing_direction};
-use crate::transport::Setup;
 
 /// A plate model with a measured luminance of its mid-air image.
 ///
@@ -12,7 +10,7 @@ use crate::transport::Setup;
 /// taken to be as bright as the model says there. Where light goes, and stray light, stay the model's.
 #[derive(Clone, Debug)]
 pub struct Measured {
-    pub(super) model: Plate,
+    model: Model,
     table: LuminanceTable,
     /// The image's efficiency in the table's brightest direction, as the model has it.
     most: f64,
@@ -22,12 +20,17 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// A model with a table; frames are the set-up's.
-    pub fn new(model: Plate, table: LuminanceTable, setup: &Setup) -> Self {
-        let (image, plate) = (setup.image.frame, setup.plate.frame);
+    /// A model with a table; the frames are the image's and the plate's.
+    pub fn new(model: Model, table: LuminanceTable, image: &Frame, plate: &Frame) -> Self {
+        let (image, plate) = (*image, *plate);
         let brightest = image.to_world_direction(viewing_direction(table.brightest()));
         let most = model.efficiency(plate.to_local_direction(brightest));
         Self { model, table, most, image, plate }
+    }
+
+    /// The model that it is based on.
+    pub fn model(&self) -> &Model {
+        &self.model
     }
 
     /// Luminance of the image over the display's, for light that leaves the plate along `direction` (unit, in
