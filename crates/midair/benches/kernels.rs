@@ -90,7 +90,7 @@ fn map_256(bencher: Bencher, name: &str) {
 /// From a viewpoint to a warp of 1920 x 1080 pixels, as the live show does it: by all threads, in the memory of the last one.
 #[divan::bench(args = SCENES)]
 fn warp_for_a_viewpoint(bencher: Bencher, name: &str) {
-    let setup = Setup { resolution: [1920, 1080], ..set_up(name) };
+    let setup = set_up(name).with_resolution([1920, 1080]);
     let mut last = None;
     bencher.bench_local(|| {
         let inverse = Inverse::new(black_box(&setup), Accuracy { tolerance: 2.5e-5 });

@@ -143,8 +143,9 @@ fn a_map_for_each_colour_takes_the_bunny_s_fringes_away() {
         file.display().to_string()
     );
     let loaded = scene_of(0.0, &bunny, 256);
-    let one = invert(&Setup::new(&loaded).unwrap(), Accuracy::default()).0;
-    let found = fringes(&loaded, &one, &LatticeStyle::default(), 512).unwrap();
+    let setup = Setup::new(&loaded).unwrap();
+    let one = invert(&setup, Accuracy::default()).0;
+    let found = fringes(&setup, &one, &LatticeStyle::default(), 512).unwrap();
     println!("{:?} before, {:?} after, {} places", found.one_map, found.by_colour, found.places);
     assert!(found.places > 50, "{found:?}");
     // What is left is interpolation between the 256 pixels of maps that bend much; one map leaves pixels.
