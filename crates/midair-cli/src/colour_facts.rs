@@ -6,7 +6,7 @@ use crate::output::Output;
 use crate::report_page::figure;
 use crate::summary::{number, percent};
 use midair::evaluate::colour::{Evenness, FringeWidth, Fringes, evenness, fringes};
-use midair::evaluate::proof::{Settings, view_size};
+use midair::evaluate::proof::Settings;
 use midair::map::{Gain, Map};
 use midair::picture::{Depth, Picture, write_still};
 use midair::scene::Loaded;
@@ -42,7 +42,7 @@ impl Colour {
             timings.push((name, last.elapsed()));
             last = Instant::now();
         };
-        let evenness = evenness(setup, view_size(setup, FIELD));
+        let evenness = evenness(setup, setup.view_size(FIELD));
         lap("brightness");
         let fringes = match setup.disperses() {
             true => Some(fringes(setup, map, &settings.lattice, settings.view[0])?),

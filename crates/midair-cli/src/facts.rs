@@ -1,7 +1,7 @@
 //! What a proof found: as JSON, in a few lines, and what it rests on.
 
 use crate::colour_facts::Colour;
-use crate::summary::{Counts, number, percent, timings};
+use crate::summary::{counts_line, number, percent, timings};
 use midair::evaluate::proof::{Baseline, Likeness, Proof, Settings, Shape, Shown};
 use midair::map::ImagePoint;
 use midair::measure::lattice::Displacement;
@@ -80,7 +80,7 @@ impl Facts<'_> {
             "method": "inverse",
             "size": setup.resolution,
             "view": { "size": settings.view, "supersampling": settings.supersampling },
-            "status": Counts::of(&proof.map).json(),
+            "status": proof.map.counts(),
             "error_bound": number(proof.map.error_bound),
             "rays": proof.effort.rays,
             "effort": { "patches": proof.effort.patches, "solved_pixels": proof.effort.solved_pixels },
@@ -113,7 +113,7 @@ impl Facts<'_> {
             loaded.scene.name,
             proof.map_time.as_secs_f64() * 1e3,
             proof.map.error_bound * 1024.0,
-            Counts::of(&proof.map).line(),
+            counts_line(&proof.map.counts()),
             "",
             "lattice off",
             "exactly",

@@ -2,7 +2,7 @@
 
 use crate::facts::{Facts, likeness_text};
 use crate::failure::Failure;
-use crate::summary::{Counts, percent};
+use crate::summary::{counts_line, percent};
 use midair::evaluate::proof::{Likeness, Shape};
 use midair::map::Map;
 use midair::measure::lattice::Displacement;
@@ -248,7 +248,7 @@ impl Facts<'_> {
 
     fn map_section(&self) -> Section {
         let Self { setup, proof, .. } = self;
-        let counts = Counts::of(&proof.map);
+        let counts = proof.map.counts();
         let mut rows = vec![vec![
             Cell::text("inverse (ours)"),
             Cell::number(Some(proof.map_time.as_secs_f64() * 1e3), 1),
@@ -283,7 +283,7 @@ impl Facts<'_> {
             "Of {} x {} pixels: {}.",
             setup.resolution[0],
             setup.resolution[1],
-            counts.line()
+            counts_line(&counts)
         );
         let mut blocks = vec![Block::Text(text), Block::Table(table)];
         if !self.notes.is_empty() {

@@ -1,13 +1,13 @@
 //! What a command says when it is done: a few lines, or JSON.
 
 use crate::failure::Failure;
+use midair::map::Counts;
 use midair::map::format::FileError;
-use midair::map::{Map, Status};
 pub use midair_report::percent;
 use serde_json::{Value, json};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// How the user wants to be told.
 #[derive(Clone, Copy, Debug)]
@@ -55,47 +55,37 @@ pub fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// A map's pixels by status.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Counts {
-    /// With one image point.
-    pub ok: usize,
-    /// With several.
-    pub folded: usize,
-    /// Whose light never reaches the image.
-    pub outside: usize,
-    /// Whose path ends early.
-    pub blocked: usize,
+/// A map's pixels by status, in fractions of all of them.
+pub fn counts_line(counts: &Counts) -> String {
+    let share = |count: usize| percent(count as f64 / counts.all().max(1) as f64);
+    format!(
+        "{} of the display's pixels are ok, {} folded, {} outside, {} blocked",
+        share(counts.ok),
+        share(counts.folded),
+        share(counts.outside),
+        share(counts.blocked)
+    )
 }
 
-impl Counts {
-    /// Counts a map's pixels.
-    pub fn of(map: &Map) -> Self {
-        let count = |status| map.status.iter().filter(|&&s| s == status).count();
-        Self {
-            ok: count(Status::Ok),
-            folded: count(Status::Folded),
-            outside: count(Status::Outside),
-            blocked: count(Status::Blocked),
-        }
+/// The stages of a command's work and the time that each took.
+pub struct Laps {
+    last: Instant,
+    all: Vec<(&'static str, Duration)>,
+}
+
+impl Laps {
+    pub fn start() -> Self {
+        Self { last: Instant::now(), all: Vec::new() }
     }
 
-    /// As in report.json.
-    pub fn json(self) -> Value {
-        json!({ "ok": self.ok, "folded": self.folded, "outside": self.outside, "blocked": self.blocked })
+    /// A stage has ended.
+    pub fn lap(&mut self, name: &'static str) {
+        self.all.push((name, self.last.elapsed()));
+        self.last = Instant::now();
     }
 
-    /// For people, in shares of all pixels.
-    pub fn line(self) -> String {
-        let all = self.ok + self.folded + self.outside + self.blocked;
-        let share = |count: usize| percent(count as f64 / all.max(1) as f64);
-        format!(
-            "{} of the display's pixels are ok, {} folded, {} outside, {} blocked",
-            share(self.ok),
-            share(self.folded),
-            share(self.outside),
-            share(self.blocked)
-        )
+    pub fn all(&self) -> &[(&'static str, Duration)] {
+        &self.all
     }
 }
 

@@ -1,7 +1,7 @@
 //! Maps for the newest viewpoint, on a thread of their own.
 
 use crate::brightness::Brightness;
-use midair::evaluate::proof::uncompensated_map;
+use midair::compensate::uncompensated_map;
 use midair::geometry::Vec3;
 use midair::map::{Accuracy, Inverse};
 use midair::picture::{Filter, FrameEvening, Overflow, Warp};

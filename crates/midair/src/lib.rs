@@ -8,6 +8,7 @@
 //! Units are millimetres and degrees; frames are right-handed with +y up.
 #![deny(missing_docs)]
 
+pub mod compensate;
 pub mod evaluate;
 pub mod geometry;
 pub mod map;

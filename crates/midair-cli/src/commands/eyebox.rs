@@ -5,10 +5,9 @@ use crate::arguments::{Point, Size, map_formats, open_picture, open_scene};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::progress::Bar;
-use crate::summary::{Counts, Voice, milliseconds, number, paths, wrote};
+use crate::summary::{Voice, milliseconds, number, paths, wrote};
 use midair::Monitor as _;
 use midair::evaluate::eyebox::{Remaining, compromise, region, remaining, two_eyes};
-use midair::evaluate::proof::view_size;
 use midair::geometry::Vec3;
 use midair::map::format::Format;
 use midair::map::{Accuracy, Map, invert};
@@ -95,7 +94,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let Some(map) = compromise(&maps) else {
         return Err(Failure::new("there is no viewpoint", "give --ipd, --region or --viewpoint"));
     };
-    let counts = Counts::of(&map);
+    let counts = map.counts();
     if counts.ok + counts.folded == 0 {
         notes.push("no display pixel reaches the image from any of the viewpoints".to_owned());
     }
@@ -105,7 +104,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     }
     let source = match &still {
         Some(still) => [still.picture.width, still.picture.height],
-        None => view_size(&setup, width),
+        None => setup.view_size(width),
     };
     notes.extend(write_maps(&mut output, &map, None, "map", source, &arguments.format)?);
     let size = setup.image.size;
@@ -116,7 +115,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         "command": "eyebox",
         "scene": loaded.scene.name,
         "size": setup.resolution,
-        "status": counts.json(),
+        "status": counts,
         "viewpoints": eyes.iter().zip(&left).map(|(eye, [compromise, single])| json!({
             "position": [eye.x, eye.y, eye.z],
             "compromise_mm": told(compromise),

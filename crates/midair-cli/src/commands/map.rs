@@ -3,7 +3,7 @@
 use crate::arguments::{Size, map_formats};
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::summary::{Counts, Voice, milliseconds, paths, timings, wrote};
+use crate::summary::{Voice, counts_line, milliseconds, paths, timings, wrote};
 use clap::Subcommand;
 use midair::map::format::{FileError, Format, read_map, write_map_and_gain};
 use midair::map::{bleed, reversed};
@@ -106,7 +106,7 @@ fn convert(arguments: &Convert, voice: Voice) -> Result<(), Failure> {
         map = reversed(&map, source);
         source = display;
     }
-    let counts = Counts::of(&map);
+    let counts = map.counts();
     if arguments.bleed > 0 {
         map = bleed(&map, usize::from(arguments.bleed));
     }
@@ -126,7 +126,7 @@ fn convert(arguments: &Convert, voice: Voice) -> Result<(), Failure> {
         "a map of {} x {} pixels as {to}\n{}\n{}",
         map.width,
         map.height,
-        counts.line(),
+        counts_line(&counts),
         wrote(&files)
     );
     voice.tell(
@@ -137,7 +137,7 @@ fn convert(arguments: &Convert, voice: Voice) -> Result<(), Failure> {
             "source": source,
             "forward": arguments.forward,
             "bleed": arguments.bleed,
-            "status": counts.json(),
+            "status": counts,
             "timings_ms": timings(&laps),
             "files": paths(&files),
             "notes": notes,

@@ -7,7 +7,6 @@ use crate::progress::Bar;
 use crate::summary::{Voice, milliseconds, number, paths, wrote};
 use midair::Monitor as _;
 use midair::evaluate::orbit::{Seen, Settings, Station, orbit};
-use midair::evaluate::proof::view_size;
 use midair::map::format::write_bytes_atomically;
 use midair::measure::lattice::{Displacement, LatticeStyle};
 use midair::picture::{Depth, Picture, srgb, write_still};
@@ -81,7 +80,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let picture = still.as_ref().map(|still| &still.picture);
     let setup = Setup::new(&loaded)?;
     let settings = Settings {
-        view: view_size(&setup, setup.resolution[0].min(1024)),
+        view: setup.view_size(setup.resolution[0].min(1024)),
         window: arguments.window,
         supersampling: 2,
         lattice: LatticeStyle::default(),
@@ -106,7 +105,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     }
     if arguments.frames > 1 {
         let small =
-            Settings { view: view_size(&setup, settings.view[0].min(480)), ..settings.clone() };
+            Settings { view: setup.view_size(settings.view[0].min(480)), ..settings.clone() };
         let last = f64::from(arguments.frames - 1);
         let azimuths: Vec<f64> =
             (0..arguments.frames).map(|i| from + (to - from) * f64::from(i) / last).collect();

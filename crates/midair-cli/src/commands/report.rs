@@ -9,7 +9,7 @@ use crate::output::Output;
 use crate::progress::Bar;
 use crate::summary::{Voice, paths, wrote};
 use midair::Monitor as _;
-use midair::evaluate::proof::{Proof, Settings, prove, view_size};
+use midair::evaluate::proof::{Proof, Settings, prove};
 use midair::map::format::{FileError, Format, write_bytes_atomically};
 use midair::picture::{Depth, Picture, Still, write_still};
 use midair::scene::Loaded;
@@ -91,7 +91,7 @@ pub fn write_proof(
     let page = facts.page()?;
     write_pictures(&mut output, still, &proof)?;
     colour.write(&mut output)?;
-    let source = view_size(&setup, still.picture.width);
+    let source = setup.view_size(still.picture.width);
     let more = write_maps(&mut output, &proof.map, None, "map", source, &[Format::Exr])?;
     write_report(&mut output, &report)?;
     output.write("report.html", |path| write_bytes_atomically(path, page.as_bytes()))?;

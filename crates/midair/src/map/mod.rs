@@ -1,6 +1,7 @@
 //! G: the inverse of the transport on the display's pixels; its status, colour and file formats.
 
 mod bleed;
+mod counts;
 pub mod format;
 mod formation;
 mod forward;
@@ -12,6 +13,7 @@ mod splat;
 
 pub use bleed::bleed;
 pub(crate) use bleed::{REACH, continued, to_drawn_precision};
+pub use counts::Counts;
 pub use formation::{Formation, ImagePoint, formation};
 pub use forward::forward;
 pub use image_gain::ImageGain;

@@ -18,6 +18,15 @@ pub enum Overflow {
 }
 
 impl Overflow {
+    /// As on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Clip => "clip",
+            Self::Fit => "fit",
+            Self::Soft => "soft",
+        }
+    }
+
     /// What a display emits that is to emit `wanted` of its white.
     #[inline(always)]
     pub(super) fn held(self, wanted: f32) -> f32 {

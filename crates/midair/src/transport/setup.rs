@@ -143,6 +143,12 @@ impl Setup {
         self.elements.iter().any(|e| e.index.as_ref().is_some_and(Index::disperses))
     }
 
+    /// A view's size for a width in pixels: the height that gives square pixels on the image.
+    pub fn view_size(&self, width: usize) -> [usize; 2] {
+        let [w, h] = self.image.size;
+        [width, ((width as f64 * h / w).round() as usize).max(1)]
+    }
+
     /// The ray from the viewpoint through the image point uv.
     pub fn ray<T: Real>(&self, uv: [T; 2]) -> Ray<T> {
         self.ray_from(self.viewpoint, uv)

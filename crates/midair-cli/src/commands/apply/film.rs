@@ -6,7 +6,7 @@ use super::parts::{Job, Piece, extension, in_a_row};
 use super::warper::{Warper, picture};
 use crate::failure::Failure;
 use crate::progress::Bar;
-use crate::summary::{Counts, Voice, milliseconds};
+use crate::summary::{Voice, milliseconds};
 use midair::Monitor as _;
 use midair::map::Map;
 use midair::map::format::FileError;
@@ -262,7 +262,7 @@ fn tell(
         "size": [map.width, map.height],
         "frames": frames,
         "resumed_frames": resumed,
-        "status": Counts::of(map).json(),
+        "status": map.counts(),
         "timings_ms": { "all": milliseconds(time) },
         "files": [arguments.output.display().to_string()],
         "notes": notes,

@@ -6,7 +6,7 @@ use crate::arguments::{check_picture_name, open_picture};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::progress::Bar;
-use crate::summary::{Counts, Voice, milliseconds, paths, wrote};
+use crate::summary::{Voice, milliseconds, paths, wrote};
 use midair::Monitor as _;
 use midair::picture::{Depth, Sequence, display_image, even_out, read_still, write_still};
 use serde_json::json;
@@ -37,7 +37,7 @@ pub fn one(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let told = json!({
         "size": [map.width, map.height],
         "frames": 1,
-        "status": Counts::of(&map).json(),
+        "status": map.counts(),
         "timings_ms": { "warp": milliseconds(time) },
         "files": paths(&files),
         "notes": notes,

@@ -5,8 +5,7 @@ mod stray;
 use crate::arguments::{Size, check_picture_name, open_scene};
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::summary::{Counts, Voice, paths, percent, wrote};
-use midair::evaluate::proof::view_size;
+use crate::summary::{Voice, counts_line, paths, percent, wrote};
 use midair::map::{Accuracy, Formation, ImagePoint, Map, formation, invert};
 use midair::picture::{Depth, write_still};
 use midair::scene::Loaded;
@@ -79,7 +78,7 @@ pub fn write_check(loaded: &Loaded, output: &mut Output, name: &str) -> Result<C
     let (map, _) = invert(&setup, Accuracy::default());
     let [w, h] = setup.image.size;
     let width = if w >= h { POINTS } else { ((POINTS as f64 * w / h) as usize).max(1) };
-    let formation = formation(&setup, &map, view_size(&setup, width));
+    let formation = formation(&setup, &map, setup.view_size(width));
     let parts = parts(&setup, &formation);
     let advice = Advice::of(&setup, &formation);
     let picture = status_picture::draw(&loaded.scene.name, &formation, &parts, &map);
@@ -167,7 +166,7 @@ fn lines(
     for part in &parts[1..] {
         lines += &format!("  {:>8}  {}\n", percent(part.share), part.name);
     }
-    lines += &Counts::of(map).line();
+    lines += &counts_line(&map.counts());
     lines += "\n";
     if let Some(advice) = advice {
         let [w, h] = setup.display.size;
@@ -224,7 +223,7 @@ fn told(
         "display": {
             "resolution": setup.resolution,
             "size": setup.display.size,
-            "status": Counts::of(map).json(),
+            "status": map.counts(),
             "advice": advice.map(|advice| json!({
                 "position": advice.position,
                 "rotation": rotation(setup),

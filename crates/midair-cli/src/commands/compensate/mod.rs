@@ -1,29 +1,23 @@
 //! `midair compensate`: the map, and what the display must show.
 
-use crate::arguments::{GainMode, Size, map_formats, open_picture, open_scene};
+use crate::arguments::{GainMode, Size, check_view, map_formats, open_picture, open_scene};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::progress::Bar;
-use crate::summary::{Counts, Voice, number, paths, timings, wrote};
+use crate::summary::{Laps, Voice, counts_line, paths, percent, timings, wrote};
 use clap::ValueEnum;
-use maps::{Solutions, Solved, write_six_channels};
 use midair::Monitor as _;
-use midair::evaluate::proof::view_size;
+use midair::compensate::{self, Brightness, Compensation, Options};
 use midair::map::format::{Format, write_bytes_atomically};
-use midair::map::{bleed, forward};
 use midair::picture::Picture;
-use midair::scene::Loaded;
+use midair::simulate::Camera;
 use midair::transport::Setup;
 use serde_json::{Value, json};
-use show::{colour, finish, gains, optimal};
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
 
-mod maps;
-mod show;
+mod files;
 
-pub use maps::write_maps;
-pub use show::write_display;
+pub use files::{write_display, write_maps};
 
 /// Work out what the display must show: the map, and the display image of a picture
 ///
@@ -83,145 +77,96 @@ pub enum Method {
     Splat,
 }
 
-impl Method {
-    /// As on the command line and in report.json.
-    fn name(self) -> &'static str {
-        match self {
-            Self::Inverse => "inverse",
-            Self::Splat => "splat",
-        }
-    }
-}
-
 pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
-    if arguments.spp.is_some() && arguments.method == Method::Inverse {
-        return Err(Failure::new(
-            "--spp is a setting of --method splat; the inverse method takes no samples",
-            "add --method splat, or leave --spp out",
-        ));
-    }
+    let options = arguments.options()?;
     let loaded = open_scene(&arguments.scene, arguments.size)?;
     let mut notes = loaded.notes.clone();
     let mut still =
         arguments.image.as_ref().map(|path| open_picture(path, &mut notes)).transpose()?;
-    let setups = match arguments.per_channel {
-        true => Setup::new(&loaded)?.by_colour().into(),
-        false => vec![Setup::new(&loaded)?],
-    };
-    notes.extend(colour_note(&loaded, arguments.per_channel));
+    let setup = Setup::new(&loaded)?;
+    notes.extend(colour_note(&setup, options.by_colour));
     let mut output = Output::into_folder(&arguments.out)?;
 
     let bar = Bar::new();
-    let spp = arguments.spp.unwrap_or(1000) as usize;
-    let solutions = Solutions::make(setups, arguments.method, spp, &bar);
-    let Solved { setup, map, .. } = solutions.main();
-    let mut laps = vec![("map", solutions.time())];
-    let gains = match arguments.gain {
-        Some(_) => {
-            bar.stage("gain", 1);
-            let (gains, time) = timed(|| Ok(gains(&solutions)))?;
-            laps.push(("gain", time));
-            Some(gains)
-        }
-        None => None,
-    };
-    let mut shown = None;
-
+    let mut laps = Laps::start();
+    let compensation = Compensation::of(&setup, &options, &bar);
+    laps.lap("map");
+    let mut brightness = None;
     if let Some(still) = &mut still {
-        notes.extend(stretch_note(setup, &still.picture));
-        let (mut light, time) = timed(|| Ok(colour(&still.picture, &solutions)))?;
-        laps.push(("colour", time));
+        notes.extend(stretch_note(&setup, &still.picture));
+        let mut light = compensation.light(&still.picture);
+        laps.lap("colour");
         if arguments.optimal {
             bar.stage("best display image", 1);
             // Nothing needs the photograph after that, and the search needs the memory.
             let pixels = std::mem::take(&mut still.picture.pixels);
             let picture = Picture { pixels, ..still.picture };
-            let (best, time) = timed(|| optimal(&solutions, picture, light))?;
-            light = best;
-            laps.push(("optimal", time));
+            let camera = Camera::at_viewpoint(&setup, setup.view_size(setup.resolution[0]));
+            check_view(camera.size, camera.supersampling)?;
+            light = compensation.best_light(picture, light)?;
+            laps.lap("optimal");
         }
-        let evening = arguments.gain.zip(gains.as_deref());
-        let (finished, time) = timed(|| Ok(finish(&loaded, light, evening)))?;
-        laps.push(("brightness", time));
-        let ((), time) = timed(|| write_display(&mut output, still, &finished.display))?;
-        laps.push(("write_display", time));
-        shown = Some(finished);
+        let shown = compensation.shown(light);
+        laps.lap("brightness");
+        write_display(&mut output, still, &shown.display)?;
+        laps.lap("write_display");
+        brightness = Some(shown.brightness);
     }
     let source = match &still {
         Some(still) => [still.picture.width, still.picture.height],
-        None => view_size(setup, setup.resolution[0]),
+        None => setup.view_size(setup.resolution[0]),
     };
-    let rings = usize::from(arguments.bleed);
-    let (more, time) = timed(|| {
-        let mut notes = Vec::new();
-        for (c, solved) in solutions.0.iter().enumerate() {
-            let name = match solutions.by_colour() {
-                true => ["map_r", "map_g", "map_b"][c],
-                false => "map",
-            };
-            let bled = (rings > 0).then(|| bleed(&solved.map, rings));
-            let map = bled.as_ref().unwrap_or(&solved.map);
-            let gain = gains.as_ref().map(|gains| &gains[c]);
-            notes.extend(write_maps(&mut output, map, gain, name, source, &arguments.format)?);
-            if arguments.forward {
-                let map = bleed(&forward(&solved.setup, &solved.map, source), rings);
-                let name = name.replacen("map", "forward", 1);
-                let size = solved.setup.resolution;
-                notes.extend(write_maps(&mut output, &map, None, &name, size, &arguments.format)?);
-            }
-        }
-        if solutions.by_colour() && arguments.format.contains(&Format::Exr) {
-            write_six_channels(&mut output, &solutions)?;
-        }
-        Ok(notes)
-    })?;
-    notes.extend(more);
-    laps.push(("write_map", time));
+    notes.extend(arguments.write_maps(&compensation, source, &mut output)?);
+    laps.lap("write_map");
     bar.finish();
 
-    let counts = Counts::of(map);
-    let report = json!({
-        "midair": env!("CARGO_PKG_VERSION"),
-        "command": "compensate",
-        "scene": loaded.scene.name,
-        "method": arguments.method.name(),
-        "spp": (arguments.method == Method::Splat).then_some(spp),
-        "optimal": arguments.optimal,
-        "size": setup.resolution,
-        "status": counts.json(),
-        "error_bound": number(solutions.error_bound()),
-        "rays": solutions.rays(),
-        "effort": solutions.main().effort,
-        "colours": solutions.colours_json(),
-        "brightness": shown.as_ref().map(|shown| &shown.json),
-        "timings_ms": timings(&laps),
-        "notes": notes,
-    });
-    write_report(&mut output, &report)?;
+    let report = compensation.report();
+    let mut told = json!(report);
+    told["midair"] = json!(env!("CARGO_PKG_VERSION"));
+    told["command"] = json!("compensate");
+    told["scene"] = json!(loaded.scene.name);
+    told["optimal"] = json!(arguments.optimal);
+    told["brightness"] = json!(brightness);
+    told["timings_ms"] = timings(laps.all());
+    told["notes"] = json!(notes);
+    write_report(&mut output, &told)?;
     let files = output.finish()?;
     voice.note(&notes);
-    explain(&solutions, &laps, voice);
+    voice.explain(&format!("the map took {} rays; effort {}", report.rays, told["effort"]));
+    for (name, time) in laps.all() {
+        voice.explain(&format!("{name}: {:.1} ms", time.as_secs_f64() * 1e3));
+    }
     let lines = format!(
         "{}: {} x {} display pixels mapped{} in {:.1} ms\n{}\n{}\n{}{}",
         loaded.scene.name,
-        setup.resolution[0],
-        setup.resolution[1],
-        if solutions.by_colour() { " for each of three colours" } else { "" },
-        solutions.time().as_secs_f64() * 1e3,
-        counts.line(),
-        bound_line(solutions.error_bound()),
-        shown.map(|shown| shown.lines).unwrap_or_default(),
+        report.size[0],
+        report.size[1],
+        if report.colours.is_some() { " for each of three colours" } else { "" },
+        report.time.as_secs_f64() * 1e3,
+        counts_line(&report.status),
+        bound_line(report.error_bound),
+        brightness.map(brightness_lines).unwrap_or_default(),
         wrote(&files)
     );
-    let mut report = report;
-    report["files"] = paths(&files);
-    voice.tell(&lines, &report)
+    told["files"] = paths(&files);
+    voice.tell(&lines, &told)
 }
 
-fn timed<T>(work: impl FnOnce() -> Result<T, Failure>) -> Result<(T, Duration), Failure> {
-    let start = Instant::now();
-    let made = work()?;
-    Ok((made, start.elapsed()))
+impl Arguments {
+    fn options(&self) -> Result<Options, Failure> {
+        let method = match (self.method, self.spp) {
+            (Method::Inverse, Some(_)) => {
+                return Err(Failure::new(
+                    "--spp is a setting of --method splat; the inverse method takes no samples",
+                    "add --method splat, or leave --spp out",
+                ));
+            }
+            (Method::Inverse, None) => compensate::Method::default(),
+            (Method::Splat, spp) => compensate::Method::Splat { spp: spp.unwrap_or(1000) as usize },
+        };
+        let gain = self.gain.map(GainMode::overflow);
+        Ok(Options::new().method(method).by_colour(self.per_channel).gain(gain))
+    }
 }
 
 /// Writes report.json.
@@ -246,8 +191,8 @@ pub fn stretch_note(setup: &Setup, picture: &Picture) -> Option<String> {
 }
 
 /// Says so if indices depend on the wavelength and the maps do not, or the other way.
-fn colour_note(loaded: &Loaded, per_channel: bool) -> Option<String> {
-    match (loaded.scene.disperses(), per_channel) {
+fn colour_note(setup: &Setup, per_channel: bool) -> Option<String> {
+    match (setup.disperses(), per_channel) {
         (true, false) => Some(
             "a material disperses: this map is for yellow light (587.6 nm); --per-channel makes one for each colour".into(),
         ),
@@ -258,25 +203,36 @@ fn colour_note(loaded: &Loaded, per_channel: bool) -> Option<String> {
     }
 }
 
-fn bound_line(bound: f64) -> String {
-    if bound.is_finite() {
-        format!(
-            "every ok pixel is within {:.1e} of exact ({:.0e} pixels of a 1024-pixel image)",
-            bound,
-            bound * 1024.0
-        )
-    } else {
-        "no error bound: the splat method proves none".to_owned()
-    }
+fn bound_line(bound: Option<f64>) -> String {
+    bound.map_or_else(
+        || "no error bound: the splat method proves none".to_owned(),
+        |bound| {
+            format!(
+                "every ok pixel is within {bound:.1e} of exact ({:.0e} pixels of a 1024-pixel image)",
+                bound * 1024.0
+            )
+        },
+    )
 }
 
-fn explain(solutions: &Solutions, laps: &[(&'static str, Duration)], voice: Voice) {
-    voice.explain(&format!(
-        "the map took {} rays; effort {}",
-        solutions.rays(),
-        solutions.main().effort
-    ));
-    for (name, time) in laps {
-        voice.explain(&format!("{name}: {:.1} ms", time.as_secs_f64() * 1e3));
+/// What became of the brightness, for people.
+fn brightness_lines(found: Brightness) -> String {
+    let mut lines = String::new();
+    if let Some(gain) = found.gain {
+        lines += &format!(
+            "{:.1} to {:.1} % of the display's light arrives; evened out ({}) white is {:.1} % of the display's, {} of the samples clipped\n",
+            100.0 * gain.least.unwrap_or_default(),
+            100.0 * gain.most.unwrap_or_default(),
+            gain.mode.name(),
+            100.0 * gain.level,
+            percent(gain.clipped)
+        );
     }
+    if let Some(share) = found.darker_than_black.filter(|share| *share > 0.0) {
+        lines += &format!(
+            "{} of the samples are darker than the display's black: there the image stays too bright\n",
+            percent(share)
+        );
+    }
+    lines
 }

@@ -10,7 +10,6 @@ use crate::output::Output;
 use crate::progress::Bar;
 use crate::summary::{Voice, milliseconds, paths, percent, wrote};
 use midair::Monitor as _;
-use midair::evaluate::proof::view_size;
 use midair::geometry::Vec3;
 use midair::picture::optimal::{ViewRays, view_through};
 use midair::picture::{Depth, Still, emitted, write_still};
@@ -98,7 +97,7 @@ fn prepare(arguments: &Arguments, weight: usize) -> Result<Shot, Failure> {
     let setup = Setup::new(&loaded)?;
     let size = match arguments.size {
         Some(Size(size)) => size,
-        None => view_size(&setup, setup.resolution[0]),
+        None => setup.view_size(setup.resolution[0]),
     };
     let supersampling = usize::from(arguments.supersampling);
     check_view(size, supersampling.max(weight))?;

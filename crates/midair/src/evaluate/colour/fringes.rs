@@ -1,7 +1,7 @@
 //! Colour fringes at a lattice's lines, with one map for all colours and with one for each.
 
+use super::super::proof::ProofError;
 use super::super::proof::displacement::Sight;
-use super::super::proof::{ProofError, view_size};
 use super::{coarse, shows};
 use crate::map::{Accuracy, Map, invert};
 use crate::measure::lattice::{LatticeStyle, draw_lattice};
@@ -56,7 +56,7 @@ pub fn fringes(
 ) -> Result<Fringes, ProofError> {
     let setups = setup.by_colour().map(|setup| coarse(setup, PIXELS));
     let three = setups.each_ref().map(|setup| invert(setup, Accuracy::default()).0);
-    let camera = Camera::at_viewpoint(setup, view_size(setup, width));
+    let camera = Camera::at_viewpoint(setup, setup.view_size(width));
 
     let mut sums = [FringeWidth { mean: 0.0, max: 0.0 }; 2];
     let (mut places, mut worst) = (0, [0.5; 2]);
@@ -130,7 +130,7 @@ fn close_ups(
         closer.image.size = closer.image.size.map(|side| side * CLOSE_UP_SHARE);
         closer
     };
-    let [width, height] = view_size(&closer(main), CLOSE_UP);
+    let [width, height] = closer(main).view_size(CLOSE_UP);
     let mut views = [0, 1].map(|_| Picture::filled(width, height, [0.0, 0.0, 0.0, 1.0]));
     for (c, setup) in setups.iter().enumerate() {
         let closer = closer(setup);

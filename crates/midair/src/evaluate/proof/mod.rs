@@ -7,16 +7,13 @@
 mod baseline;
 pub(super) mod displacement;
 mod likeness;
-mod reference;
-mod uncompensated;
 
 pub use baseline::Baseline;
 pub use displacement::Shape;
 pub use likeness::{Likeness, Region};
-pub use reference::Reference;
-pub use uncompensated::uncompensated_map;
 
 use crate::Monitor;
+use crate::compensate::{AsIs, uncompensated_map};
 use crate::map::{Accuracy, Effort, Formation, Map, formation, invert};
 use crate::measure::SimilarityError;
 use crate::measure::lattice::{LatticeStyle, LatticeStyleError, draw_lattice};
@@ -24,7 +21,7 @@ use crate::picture::optimal::{
     OptimalError, ViewSamples, Weighting, optimal_display, scatter_average, view_through,
 };
 use crate::picture::{Picture, display_image};
-use crate::simulate::Camera;
+use crate::simulate::{Camera, Reference};
 use crate::transport::{Setup, SetupError};
 use std::time::{Duration, Instant};
 
@@ -46,18 +43,12 @@ impl Settings {
     /// paper's lattice and its 1000 samples a pixel.
     pub fn for_setup(setup: &Setup) -> Self {
         Self {
-            view: view_size(setup, setup.resolution[0]),
+            view: setup.view_size(setup.resolution[0]),
             supersampling: 2,
             splat_spp: 1000,
             lattice: LatticeStyle::default(),
         }
     }
-}
-
-/// A view's size for a width in pixels: the height that gives square pixels on the image.
-pub fn view_size(setup: &Setup, width: usize) -> [usize; 2] {
-    let [w, h] = setup.image.size;
-    [width, ((width as f64 * h / w).round() as usize).max(1)]
 }
 
 /// Why nothing can be proved.
@@ -209,7 +200,7 @@ pub fn prove(
         let compensated = measure.shape(view, |uv| sight.compensated(uv), &camera);
         monitor.advance(1);
         let view = view_through(&samples, &display_image(&drawn, &as_is))?;
-        let shown_at = uncompensated::AsIs::new(setup);
+        let shown_at = AsIs::new(setup);
         let place = |uv| sight.uncompensated(shown_at.shown_at(uv));
         let uncompensated = measure.shape(view, place, &camera);
         monitor.advance(1);

@@ -108,7 +108,7 @@ fn an_uncompensated_display_is_right_where_nothing_distorts() {
     }
     // The image covers 60/66 by 60/75 of the display.
     assert!(compared as f64 > 0.98 * 128.0 * 128.0 * (60.0 / 66.0) * (60.0 / 75.0), "{compared}");
-    let st = uncompensated::AsIs::new(&setup).shown_at([0.2, 0.7]);
+    let st = AsIs::new(&setup).shown_at([0.2, 0.7]);
     let end = setup.transport([0.2, 0.7], &mut Default::default()).formed().unwrap();
     assert!((st[0] - end[0]).hypot(st[1] - end[1]) < 1e-9);
 }

@@ -48,12 +48,13 @@ impl Default for Accuracy {
 }
 
 /// What the inversion did.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, serde::Serialize)]
 pub struct Effort {
     /// Polynomial patches.
     pub patches: usize,
     /// Pixels solved one by one.
     pub solved_pixels: usize,
+    #[serde(skip)]
     /// Rays traced: points of the image at which F, with or without its derivatives, was worked out.
     pub rays: u64,
 }

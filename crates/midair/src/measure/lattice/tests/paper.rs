@@ -1,7 +1,7 @@
 //! Views of the paper's scenes without compensation, against the transport's own prediction.
 
 use super::*;
-use crate::evaluate::proof::uncompensated_map;
+use crate::compensate::uncompensated_map;
 use crate::geometry::Vec3;
 use crate::picture::display_image;
 use crate::scene::load;

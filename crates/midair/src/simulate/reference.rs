@@ -1,7 +1,7 @@
 //! What should be seen.
 
+use super::Camera;
 use crate::picture::optimal::ViewRays;
-use crate::simulate::Camera;
 use crate::transport::Setup;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -7,7 +7,7 @@ use crate::transport::Setup;
 /// Where a display without compensation shows the image: in its true size, at the place where it belongs if mirrors are flat
 /// and solids absent, wherever the scene's display stands. It is turned about if an odd number of mirrors would show it the
 /// wrong way round.
-pub(super) struct AsIs {
+pub(crate) struct AsIs {
     /// The image's place in the display's plane.
     place: Rectangle,
     display: Rectangle,
