@@ -149,6 +149,7 @@ impl Output {
             FileError::Unsupported { path, problem, remedy } => {
                 FileError::Unsupported { path: real(path), problem, remedy }
             }
+            FileError::SourceUnknown { path } => FileError::SourceUnknown { path: real(path) },
         }
     }
 

@@ -117,7 +117,11 @@ fn measure(rows: &[Row], sizes: &Sizes, bunny: Option<&str>) -> Outcome<Vec<Figu
             Ok(Figures {
                 median: times[times.len() / 2],
                 best: times[0],
-                peak: if row.watch_memory { memory::peak_of_row(&row.name, sizes, bunny)? } else { None },
+                peak: if row.watch_memory {
+                    memory::peak_of_row(&row.name, sizes, bunny)?
+                } else {
+                    None
+                },
                 remark,
                 rounds: times.len(),
             })

@@ -134,12 +134,21 @@ fn apply_draws_what_compensate_drew() {
     }
     assert_eq!(compared, 4 * 4 + 3 * 4);
     // The others place image points more coarsely, but know as well where the image ends.
-    let white = midair::media::Picture::filled(8, 8, [1.0; 4]);
+    let white = midair::picture::Picture::filled(8, 8, [1.0; 4]);
     write_still(&bench.path("white.png"), &white, Depth::Eight).unwrap();
     let all: Vec<String> = Format::all().map(|format| format.to_string()).collect();
     let list = all.join(",");
     bench.succeed(&[
-        "compensate", "ball.toml", "--image", "white.png", "--out", "all", "--bleed", "4", "--format", &list,
+        "compensate",
+        "ball.toml",
+        "--image",
+        "white.png",
+        "--out",
+        "all",
+        "--bleed",
+        "4",
+        "--format",
+        &list,
     ]);
     let display = read_still(&bench.path("all/display.png")).unwrap().picture;
     for format in Format::all() {

@@ -106,7 +106,9 @@ fn a_ring_is_added_and_coverage_kept_apart() {
         "640x480",
     ]);
     // Back again, the ring is known for one.
-    bench.succeed(&["map", "convert", "w_x.npy", "back.exr", "--from", "opencv", "--source", "640x480"]);
+    bench.succeed(&[
+        "map", "convert", "w_x.npy", "back.exr", "--from", "opencv", "--source", "640x480",
+    ]);
     let back = read_map(&bench.path("back.exr"), None, None).unwrap().map;
     assert_eq!(back.status, map.status);
 }

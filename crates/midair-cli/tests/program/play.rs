@@ -195,9 +195,8 @@ impl Stage {
             let around = |at: usize| at.saturating_sub(1)..(at + 2).min(SIDE);
             let beside = around(i / SIDE).flat_map(|y| around(i % SIDE).map(move |x| y * SIDE + x));
             let beside: Vec<_> = beside.filter(known).map(|pixel| gain.rgb[pixel]).collect();
-            *rgb = [0, 1, 2].map(|c| {
-                beside.iter().map(|rgb| rgb[c]).sum::<f32>() / beside.len() as f32
-            });
+            *rgb = [0, 1, 2]
+                .map(|c| beside.iter().map(|rgb| rgb[c]).sum::<f32>() / beside.len() as f32);
         }
         (bleed(&map, 1), ringed)
     }

@@ -119,8 +119,7 @@ fn close_ups(
 ) -> Result<[Picture; 2], ProofError> {
     let style = LatticeStyle { line: [1.0; 4], ground: [0.0, 0.0, 0.0, 1.0], ..style.clone() };
     let drawn = draw_lattice(DRAWN, DRAWN, &style)?;
-    let displays =
-        [display_image(&drawn, one), display_image_by_colour(&drawn, three.each_ref())];
+    let displays = [display_image(&drawn, one), display_image_by_colour(&drawn, three.each_ref())];
     let half = 0.5 * CLOSE_UP_SHARE;
     let middle = main.image.point(about.map(|c| c.clamp(half, 1.0 - half)));
     // What a ray meets does not depend on the image: a smaller one is a closer look.

@@ -1,7 +1,7 @@
 //! PNG (and JPEG) files as samples, and maps in 16-bit PNG.
 
 use super::exr_channels::{MAX_PIXELS, check_size};
-use super::{FileError, LoadedMap, answer, write_atomically};
+use super::{FileError, LoadedMap, answer, read_bytes, write_atomically};
 use crate::map::{Map, Status};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::metadata::Orientation;
@@ -122,8 +122,10 @@ pub(super) fn read_coverage(map: &mut Map, path: &Path) -> Result<(), FileError>
     let (mask, _) = decode_samples(path, &read_bytes(path)?, ImageFormat::Png)?;
     let size = [mask.width() as usize, mask.height() as usize];
     if size != [map.width, map.height] {
-        let problem =
-            format!("{} x {} pixels, but the map has {} x {}", size[0], size[1], map.width, map.height);
+        let problem = format!(
+            "{} x {} pixels, but the map has {} x {}",
+            size[0], size[1], map.width, map.height
+        );
         let remedy = "write both from one map, or remove the mask";
         return Err(FileError::malformed(path, "header", problem, remedy));
     }

@@ -1,7 +1,7 @@
 //! Warping frames of 16-bit samples, in linear light and single precision.
 
 use super::taps::{CubicTables, ONE, Plan, Tap, unpack};
-use super::{Warp, WarpError, check_samples, check_gain};
+use super::{Warp, WarpError, check_gain, check_samples};
 use crate::picture::brightness::Evening;
 use crate::picture::curve::{Curve, Tables};
 use rayon::prelude::*;
