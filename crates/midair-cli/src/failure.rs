@@ -2,6 +2,7 @@
 
 use midair::evaluate::proof::ProofError;
 use midair::map::format::FileError;
+use midair::optics::plate::PlateError;
 use midair::picture::optimal::OptimalError;
 use midair::scene::SceneError;
 use midair::transport::SetupError;
@@ -38,26 +39,41 @@ impl From<SceneError> for Failure {
     }
 }
 
-impl From<FileError> for Failure {
-    fn from(error: FileError) -> Self {
-        match error {
-            FileError::Malformed { path, place, problem, remedy } => {
-                Self::new(format!("{}: {place}: {problem}", path.display()), remedy)
+impl From<midair::Error> for Failure {
+    fn from(error: midair::Error) -> Self {
+        match error.scene() {
+            Some(scene) => scene.clone().into(),
+            None => {
+                Self::Told { message: error.to_string(), help: error.remedy().map(str::to_owned) }
             }
-            FileError::SourceUnknown { path } => Self::new(
-                format!(
-                    "{}: this kind of map holds pixels of the picture, whose size is not known",
-                    path.display()
-                ),
-                "add --source WxH, the picture's size in pixels",
-            ),
-            FileError::Unsupported { path, problem, remedy } => {
-                Self::new(format!("{}: {problem}", path.display()), remedy)
-            }
-            FileError::Io { .. } => Self::Told { message: error.to_string(), help: None },
         }
     }
 }
+
+impl From<FileError> for Failure {
+    fn from(error: FileError) -> Self {
+        match error {
+            FileError::SourceUnknown { .. } => {
+                let message = midair::Error::from(error).to_string();
+                Self::new(message, "add --source WxH, the picture's size in pixels")
+            }
+            error => midair::Error::from(error).into(),
+        }
+    }
+}
+
+/// Errors of the library's floors.
+macro_rules! of_the_library {
+    ($($kind:ty),* $(,)?) => {$(
+        impl From<$kind> for Failure {
+            fn from(error: $kind) -> Self {
+                midair::Error::from(error).into()
+            }
+        }
+    )*};
+}
+
+of_the_library!(SetupError, PlateError, OptimalError, ProofError);
 
 impl From<VideoError> for Failure {
     fn from(error: VideoError) -> Self {
@@ -70,34 +86,5 @@ impl From<VideoError> for Failure {
             VideoError::Pipe { .. } => "check the disk and the installed ffmpeg",
         };
         Self::new(error.to_string(), help)
-    }
-}
-
-impl From<SetupError> for Failure {
-    fn from(error: SetupError) -> Self {
-        Self::new(
-            format!("the scene cannot be traced: {error}"),
-            "change the elements that it names",
-        )
-    }
-}
-
-impl From<OptimalError> for Failure {
-    fn from(error: OptimalError) -> Self {
-        Self::new(error.to_string(), "ask for a smaller --size or --supersampling")
-    }
-}
-
-impl From<ProofError> for Failure {
-    fn from(error: ProofError) -> Self {
-        match error {
-            ProofError::Setup(error) => error.into(),
-            ProofError::View(error) => error.into(),
-            ProofError::Lattice(error) => Self::Told { message: error.to_string(), help: None },
-            ProofError::Similarity(error) => Self::new(
-                format!("the views cannot be compared: {error}"),
-                "ask for a larger --size",
-            ),
-        }
     }
 }

@@ -9,6 +9,7 @@
 #![deny(missing_docs)]
 
 pub mod compensate;
+mod error;
 pub mod evaluate;
 pub mod geometry;
 pub mod map;
@@ -20,6 +21,7 @@ pub mod scene;
 pub mod simulate;
 pub mod transport;
 
+pub use error::{Error, Kind, Place};
 pub use monitor::Monitor;
 
 /// The README's example is compiled as a test.

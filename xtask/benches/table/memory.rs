@@ -33,7 +33,9 @@ pub fn peak_of_row(name: &str, sizes: &Sizes, bunny: Option<&str>) -> Outcome<Op
     if sizes.quick {
         command.arg("--quick");
     }
-    bunny.into_iter().for_each(|file| drop(command.args([super::BUNNY, file])));
+    if let Some(file) = bunny {
+        command.args([super::BUNNY, file]);
+    }
     let output = command.stderr(Stdio::inherit()).output()?;
     if !output.status.success() {
         return Err(format!("the memory of `{name}` cannot be measured").into());

@@ -38,6 +38,15 @@ impl SceneError {
         self.span.map(|s| s.offset()..s.offset() + s.len())
     }
 
+    /// The file's name, and the line to blame, from 1.
+    pub fn file_and_line(&self) -> (&str, Option<usize>) {
+        let line = self.span.map(|span| {
+            let before = &self.text.inner().as_bytes()[..span.offset()];
+            before.iter().filter(|&&byte| byte == b'\n').count() + 1
+        });
+        (self.text.name(), line)
+    }
+
     /// Several faults as one: the first in the file, the rest as its `others`.
     pub(super) fn gathered(mut faults: Vec<Self>) -> Option<Self> {
         // Without this bound a hostile file of a million unknown keys costs gigabytes.
