@@ -222,13 +222,16 @@ mod tests {
 
     #[test]
     fn an_error_says_what_where_and_what_helps() {
-        let text = "[viewpoint]\nposition = [0.0, 0.0, 800.0]\n[image]\nsice = [20.0, 20.0]\n";
+        let text = "[viewpoint]\nposition = [0.0, 0.0, 800.0]\n[image]\nsize = [20.0, 20.0]\n\
+                    [plate]\nposition = [0.0, 0.0, -150.0]\nsise = [400.0, 400.0]\n[display]\n";
         let error = Error::from(parse(text, "a.toml", Format::Toml).unwrap_err());
         assert_eq!(error.kind(), Kind::Scene);
         let place = error.place().unwrap();
-        assert_eq!((place.file.as_str(), place.line), ("a.toml", Some(4)));
-        assert!(error.to_string().starts_with("a.toml:4: "), "{error}");
-        assert!(error.remedy().unwrap().contains("size") && error.scene().is_some());
+        assert_eq!((place.file.as_str(), place.line), ("a.toml", Some(7)));
+        assert!(error.to_string().starts_with("a.toml:7: "), "{error}");
+        assert!(
+            error.remedy().is_some_and(|remedy| remedy.contains("size")) && error.scene().is_some()
+        );
         assert!(format!("{error:?}").contains("help: "), "{error:?}");
     }
 

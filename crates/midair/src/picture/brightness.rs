@@ -177,8 +177,9 @@ mod tests {
 
     #[test]
     fn fitted_the_image_is_even_and_as_bright_as_can_be() {
-        let gain = gain(vec![[0.9, 0.8, 0.9], [0.5, 0.4, 0.5], [0.7, 0.6, 0.7], [f32::NAN; 3]]);
-        let picture = grey(&[1.0, 1.0, 0.5, 0.25]);
+        let nan = [f32::NAN; 3];
+        let gain = gain(vec![[0.9, 0.8, 0.9], [0.5, 0.4, 0.5], [0.7, 0.6, 0.7], nan, nan]);
+        let picture = grey(&[1.0, 1.0, 0.5, 0.25, 0.25]);
         let evened = even_out(&picture, &gain, Overflow::Fit);
         assert!((evened.level - 0.4).abs() < 1e-7);
         assert_eq!(evened.clipped, 0.0);
@@ -188,7 +189,9 @@ mod tests {
             // Single precision.
             assert!((seen - wanted).abs() < 1e-6, "{seen:?}");
         }
-        assert_eq!(evened.display.pixels[3], picture.pixels[3]);
+        // The ring has its neighbour's gain; beyond it nothing is drawn, and nothing changed.
+        assert!((f64::from(evened.display.pixels[3][1]) - 0.25 * 0.4 / 0.6).abs() < 1e-6);
+        assert_eq!(evened.display.pixels[4], picture.pixels[4]);
     }
 
     #[test]
