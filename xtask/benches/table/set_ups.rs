@@ -39,8 +39,10 @@ pub const BALL_TRIANGLES: usize = (12 * SQUARES * SQUARES) as usize;
 pub fn ball() -> Outcome<Setup> {
     let mut setup = scene("paper/sphere.toml")?;
     let (positions, triangles) = tessellate(25.0);
-    let normals = Some(positions.iter().map(|p| p.normalized()).collect());
-    let mesh = MeshSurface::new(&TriangleMesh { positions, triangles, normals });
+    let normal = |v: u32| positions[v as usize].normalized();
+    let normals = Some(triangles.iter().map(|t| t.map(normal)).collect());
+    let mesh = TriangleMesh { positions, triangles, normals, ..TriangleMesh::default() };
+    let mesh = MeshSurface::new(&mesh);
     setup.elements[0].shape = Shape::Mesh(Arc::new(mesh));
     Ok(setup)
 }

@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::summary::{Voice, counts_line, milliseconds, paths, timings, wrote};
 use clap::Subcommand;
-use midair::map::format::{FileError, Format, read_map, write_map_and_gain};
+use midair::map::format::{FileError, Format, Reading, decode_map, write_map_and_gain};
 use midair::map::{bleed, reversed};
 use serde_json::json;
 use std::path::PathBuf;
@@ -26,8 +26,9 @@ enum Command {
 
 /// Convert a map from one tool's form to another's
 ///
-/// The kinds are those of `midair compensate --format`. A name ending in .exr, .npy, .png, .pgm, .yml or .mpcdi tells its kind, of two
-/// kinds the more general one; --from and --to tell it otherwise. Kinds of two files (ffmpeg, opencv) are named by either of them or by their common name.
+/// The kinds are those of `midair compensate --format`. A name ending in .exr, .npy, .png, .pgm, .yml, .xml, .json or .mpcdi tells its kind, of two
+/// kinds the more general one; --from and --to tell it otherwise. Kinds of two files (ffmpeg, opencv) are named by either of them (xmap.pgm finds
+/// ymap.pgm), by their common name, or by both with a comma between, that of x first. Places off the picture, as OpenCV's -1, show nothing.
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  midair map convert out/map.exr maps/m.npy --to opencv --source 1920x1080\n  \
@@ -51,6 +52,9 @@ struct Convert {
     /// Pixels of the picture that the map is for; ffmpeg and opencv maps have no meaning without it
     #[arg(long, value_name = "WxH")]
     source: Option<Size>,
+    /// Region of an MPCDI file that has several, one for each projector
+    #[arg(long, value_name = "ID")]
+    region: Option<String>,
     /// Go on for N pixels beyond the covered region; coverage stays as it is
     #[arg(long, value_name = "N", default_value = "0", value_parser = clap::value_parser!(u16).range(0..=4096))]
     bleed: u16,
@@ -82,7 +86,9 @@ fn convert(arguments: &Convert, voice: Voice) -> Result<(), Failure> {
         return Err(FileError::SourceUnknown { path: arguments.output.clone() }.into());
     }
     let start = Instant::now();
-    let loaded = read_map(&arguments.input, arguments.from, given)?;
+    let region = arguments.region.as_deref();
+    let reading = Reading { format: arguments.from, source: given, region };
+    let loaded = decode_map(&arguments.input, &|file| std::fs::read(file), &reading)?;
     let mut notes = loaded.notes;
     let (mut map, mut gain) = (loaded.map, loaded.gain);
     let left_out = match to {

@@ -1,11 +1,12 @@
 //! A triangle mesh as rays meet it.
 
 use super::mesh::TriangleMesh;
+use super::mesh::adjacency::{NONE, Sets, neighbours};
+use super::mesh::overlap::TOUCHING;
 use super::{Crossing, Hit, Ray, Real, Search, Vec3};
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
 use obvhs::{Boundable, BvhBuildParams};
-use std::collections::HashMap;
 
 /// A triangle mesh with what tracing needs: planes, barycentric gradients, neighbours, and a BVH.
 #[derive(Clone)]
@@ -15,11 +16,17 @@ pub struct MeshSurface {
     normals: Vec<[Vec3; 3]>,
     /// The triangle across the edge opposite each corner; `NONE` where there is none.
     neighbours: Vec<[u32; 3]>,
+    /// The part that each triangle belongs to: triangles over whose common edges the normal does not jump.
+    parts: Vec<Part>,
+    /// The body that each triangle bounds; empty where no bodies overlap.
+    bodies: Vec<u32>,
     bvh: CwBvh,
     low: Vec3,
     high: Vec3,
     closed: bool,
     volume: f64,
+    /// Surfaces of two bodies that a ray meets within this distance, mm, are met at once: they touch.
+    at_once: f64,
 }
 
 impl std::fmt::Debug for MeshSurface {
@@ -37,7 +44,17 @@ struct Triangle {
     gradients: [Vec3; 2],
 }
 
-const NONE: u32 = u32::MAX;
+/// A part of the surface with no sharp edge within.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Its number: that of one of its triangles.
+    pub number: u32,
+    /// Whether it is bent; a flat one is crossed alike by all of its triangles.
+    pub is_bent: bool,
+}
+
+/// Normals that differ by less, radians, are one: files have them to six digits, and flat faces in single precision are not flatter.
+const ONE_NORMAL: f64 = 1e-5;
 
 /// Boxes of the BVH are widened by this share of the mesh's size: many times the rounding of the `f32`
 /// arithmetic that they are tested with, so that no triangle is missed for it; triangles themselves are tested in `f64`.
@@ -80,18 +97,22 @@ impl MeshSurface {
             BvhBuildParams::medium_build(),
             &mut std::time::Duration::default(),
         );
-        let (neighbours, closed) = neighbours(triangles);
+        let neighbours = neighbours(triangles);
+        let closed = neighbours.iter().flatten().all(|&other| other != NONE);
+        let triangles: Vec<Triangle> = triangles.iter().map(|t| Triangle::new(t.map(at))).collect();
+        let normals = mesh.normals.clone().unwrap_or_default();
         Self {
-            triangles: triangles.iter().map(|t| Triangle::new(t.map(at))).collect(),
-            normals: mesh.normals.as_ref().map_or(Vec::new(), |n| {
-                triangles.iter().map(|t| t.map(|index| n[index as usize])).collect()
-            }),
+            parts: parts(&mesh.triangles, &triangles, &normals, &neighbours),
+            bodies: mesh.bodies.clone().unwrap_or_default(),
+            triangles,
+            normals,
             neighbours,
             bvh,
             low,
             high,
             closed,
             volume: mesh.signed_volume().abs(),
+            at_once: TOUCHING * (high - low).length(),
         }
     }
 
@@ -100,9 +121,14 @@ impl MeshSurface {
         self.closed
     }
 
-    /// Whether its normals are interpolated, so that light crosses from face to face without a jump.
-    pub fn is_smooth(&self) -> bool {
-        !self.normals.is_empty()
+    /// Whether it has a bent part: normals are interpolated there, so that light crosses from face to face without a jump.
+    pub fn is_bent(&self) -> bool {
+        self.parts.iter().any(|part| part.is_bent)
+    }
+
+    /// The part that a face belongs to.
+    pub fn part(&self, face: u32) -> Part {
+        self.parts[face as usize]
     }
 
     /// Volume, mm^3.
@@ -112,6 +138,9 @@ impl MeshSurface {
 
     /// The first triangle along a ray that fits the search.
     pub fn nearest(&self, ray: &Ray, search: Search) -> Option<Hit> {
+        if let (false, Some(wanted)) = (self.bodies.is_empty(), search.crossing) {
+            return self.nearest_of_union(ray, search, wanted);
+        }
         let start = self.entry(ray)?.max(search.after);
         // f32 traversal starts where the mesh does: far-away origins would lose the digits that boxes need.
         let near = ray.at(start);
@@ -143,6 +172,64 @@ impl MeshSurface {
         best
     }
 
+    /// The first crossing of the surface of all bodies' union: where, going on, the number of bodies around changes from or to none.
+    ///
+    /// That number is counted from the far end, where it is 0: it does not depend on where the ray begins.
+    fn nearest_of_union(&self, ray: &Ray, search: Search, wanted: Crossing) -> Option<Hit> {
+        let mut hits = self.all(ray, search);
+        // Of an edge both triangles are hit; their body is crossed once.
+        let body = |hit: &Hit| self.bodies[hit.face as usize];
+        hits.sort_by(|a, b| a.t.total_cmp(&b.t).then(body(a).cmp(&body(b))));
+        hits.dedup_by(|next, kept| {
+            let same = body(next) == body(kept) && next.crossing == kept.crossing;
+            same && next.t - kept.t <= 1e-9
+        });
+        let mut first = None;
+        let mut around = 0i32;
+        let mut later: Option<f64> = None;
+        for end in (1..=hits.len()).rev() {
+            let hit = hits[end - 1];
+            let beyond = around;
+            around += if hit.crossing == Crossing::Leave { 1 } else { -1 };
+            let outside = if wanted == Crossing::Leave { beyond } else { around };
+            if hit.crossing == wanted && outside == 0 {
+                // Where one body is left and another entered at once, the union goes on.
+                let touches =
+                    wanted == Crossing::Leave && later.is_some_and(|t| t - hit.t <= self.at_once);
+                if !touches {
+                    first = Some(hit);
+                }
+            }
+            later = (hit.crossing == Crossing::Enter).then_some(hit.t);
+        }
+        first
+    }
+
+    /// All hits that lie ahead.
+    fn all(&self, ray: &Ray, search: Search) -> Vec<Hit> {
+        let mut hits = Vec::new();
+        let Some(entry) = self.entry(ray) else { return hits };
+        let near = ray.at(entry.max(search.after));
+        let sheared = Sheared::new(ray);
+        let traversed = obvhs::ray::Ray::new(
+            narrow(near).into(),
+            narrow(ray.direction).into(),
+            0.0,
+            f32::INFINITY,
+        );
+        self.bvh.ray_traverse(traversed, &mut obvhs::ray::RayHit::none(), |_, index| {
+            let face = self.bvh.primitive_indices[index];
+            let triangle = &self.triangles[face as usize];
+            if search.standing_on != Some(face)
+                && let Some(t) = sheared.hit(triangle).filter(|&t| t > search.after)
+            {
+                hits.push(Hit { t, face, crossing: triangle.crossing(ray.direction) });
+            }
+            f32::INFINITY
+        });
+        hits
+    }
+
     /// Where the ray enters the mesh's bounds (not before its own start by more than the coincidence margin).
     fn entry(&self, ray: &Ray) -> Option<f64> {
         let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -159,8 +246,8 @@ impl MeshSurface {
         (near <= far && far >= -1e-9).then_some(near)
     }
 
-    /// The triangle around which a path that was known to cross `face` crosses now: a walk over the edges. `None`
-    /// where it walks off the sheet (a silhouette, a hole).
+    /// The triangle around which a path that was known to cross `face` crosses now: a walk over the edges of its part. At a sharp edge
+    /// it stays on the last triangle, which is continued smoothly. `None` where it walks off the sheet (a silhouette, a hole).
     pub fn settle(&self, ray: &Ray, face: u32, crossing: Crossing) -> Option<u32> {
         let mut face = face;
         for _ in 0..LONGEST_WALK {
@@ -174,10 +261,14 @@ impl MeshSurface {
             if weights[lowest] >= -1e-12 {
                 return Some(face);
             }
-            face = self.neighbours[face as usize][lowest];
-            if face == NONE {
+            let next = self.neighbours[face as usize][lowest];
+            if next == NONE {
                 return None;
             }
+            if self.parts[next as usize] != self.parts[face as usize] {
+                return Some(face);
+            }
+            face = next;
         }
         None
     }
@@ -272,26 +363,35 @@ fn narrow(v: Vec3) -> [f32; 3] {
     [v.x as f32, v.y as f32, v.z as f32]
 }
 
-/// For each triangle the ones across the edges opposite its corners, and whether every edge has one.
-fn neighbours(triangles: &[[u32; 3]]) -> (Vec<[u32; 3]>, bool) {
-    let mut edges: HashMap<(u32, u32), u32> = HashMap::with_capacity(3 * triangles.len());
-    let edge = |t: &[u32; 3], opposite: usize| (t[(opposite + 1) % 3], t[(opposite + 2) % 3]);
-    for (index, t) in triangles.iter().enumerate() {
-        for opposite in 0..3 {
-            edges.insert(edge(t, opposite), index as u32);
+/// The part of each triangle.
+fn parts(
+    indices: &[[u32; 3]],
+    triangles: &[Triangle],
+    normals: &[[Vec3; 3]],
+    neighbours: &[[u32; 3]],
+) -> Vec<Part> {
+    let at = |t: usize, vertex: u32| {
+        let corner = indices[t].iter().position(|&v| v == vertex).unwrap_or(0);
+        normals.get(t).map_or(triangles[t].normal, |n| n[corner])
+    };
+    let one = |a: Vec3, b: Vec3| (a - b).length() <= ONE_NORMAL;
+    let mut sets = Sets::new(triangles.len());
+    for t in 0..triangles.len() {
+        for k in 0..3 {
+            let other = neighbours[t][k];
+            let ends = [(k + 1) % 3, (k + 2) % 3].map(|k| indices[t][k]);
+            if other != NONE && ends.iter().all(|&v| one(at(t, v), at(other as usize, v))) {
+                sets.join(t as u32, other);
+            }
         }
     }
-    let mut closed = true;
-    let found = triangles
-        .iter()
-        .map(|t| {
-            [0, 1, 2].map(|opposite| {
-                let (from, to) = edge(t, opposite);
-                let across = edges.get(&(to, from)).copied().unwrap_or(NONE);
-                closed &= across != NONE;
-                across
-            })
-        })
-        .collect();
-    (found, closed)
+    let numbers: Vec<u32> = (0..triangles.len() as u32).map(|t| sets.of(t)).collect();
+    let mut bent = vec![false; triangles.len()];
+    for (t, &number) in numbers.iter().enumerate() {
+        let first = triangles[number as usize].normal;
+        // Twice: the first triangle itself is only one of those that are one.
+        let flat = |n: Vec3| (n - first).length() <= 2.0 * ONE_NORMAL;
+        bent[number as usize] |= !indices[t].iter().all(|&v| flat(at(t, v)));
+    }
+    numbers.iter().map(|&number| Part { number, is_bent: bent[number as usize] }).collect()
 }

@@ -15,7 +15,7 @@ mod vec3;
 pub use convex::Convex;
 pub use frame::Frame;
 pub use height_field::HeightField;
-pub use mesh_surface::MeshSurface;
+pub use mesh_surface::{MeshSurface, Part};
 pub use ray::{Crossing, Hit, Ray, Search};
 pub use real::{Dual, Real};
 pub use rectangle::Rectangle;

@@ -1,6 +1,8 @@
 //! The closed set of forms that an element can have.
 
-use super::{Convex, Crossing, HeightField, Hit, MeshSurface, Ray, Real, Search, Sheet, Vec3};
+use super::{
+    Convex, Crossing, HeightField, Hit, MeshSurface, Part, Ray, Real, Search, Sheet, Vec3,
+};
 use std::sync::Arc;
 
 /// An element's form in its own frame.
@@ -48,12 +50,21 @@ impl Shape {
         }
     }
 
-    /// The mesh, if light crosses from one of its faces to the next without a jump: the faces of a path may then change
+    /// The mesh, if light crosses from some of its faces to the next without a jump: the faces of a path may then change
     /// along one sheet of the transport.
-    pub fn smooth_mesh(&self) -> Option<&MeshSurface> {
+    pub fn bent_mesh(&self) -> Option<&MeshSurface> {
         match self {
-            Self::Mesh(mesh) if mesh.is_smooth() => Some(mesh),
+            Self::Mesh(mesh) if mesh.is_bent() => Some(mesh),
             _ => None,
+        }
+    }
+
+    /// The part of the surface that a face belongs to, on which light crosses from face to face without a jump.
+    pub fn part(&self, face: u32) -> Part {
+        match self {
+            Self::Mesh(mesh) => mesh.part(face),
+            // Faces in closed form are continued beyond their edges.
+            _ => Part { number: face, is_bent: false },
         }
     }
 

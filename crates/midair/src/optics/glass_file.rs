@@ -292,7 +292,7 @@ fn dispersion(entry: &Entry, kind: &Text, number: &str) -> Result<([f64; 2], Dis
 /// The columns after the wavelength of an entry's table.
 fn columns<const N: usize>(entry: &Entry, names: [&str; N]) -> Result<[Table; N], Fault> {
     let text = entry.needed("data")?;
-    let mut tables: [Table; N] = std::array::from_fn(|_| Table::default());
+    let mut rows: Vec<(f64, [f64; N])> = Vec::new();
     for (k, row) in text.value.lines().enumerate() {
         let line = text.line + k;
         if row.trim().is_empty() {
@@ -308,26 +308,38 @@ fn columns<const N: usize>(entry: &Entry, names: [&str; N]) -> Result<[Table; N]
             return Err((line, problem));
         }
         let wavelength = row[0];
-        let before = tables[0].wavelengths.last().copied().unwrap_or(0.0);
-        if wavelength <= before {
-            let problem =
-                format!("the wavelength {wavelength} must be more than {before}; sort the table");
-            return Err((line, problem));
+        if wavelength <= 0.0 {
+            return Err((
+                line,
+                format!("the wavelength {wavelength} must be more than 0 micrometres"),
+            ));
         }
-        for (c, table) in tables.iter_mut().enumerate() {
-            let value = row[c + 1];
-            if value < 0.0 {
-                return Err((line, format!("{} is {value}; it cannot be negative", names[c])));
+        let mut values = [0.0; N];
+        for ((value, &found), name) in values.iter_mut().zip(&row[1..]).zip(names) {
+            // A measured k that is too small to be told from none comes out on either side of it.
+            let none = name == "k" && found > -NOISE;
+            if found < 0.0 && !none {
+                return Err((line, format!("{name} is {found}; it cannot be negative")));
             }
-            table.wavelengths.push(wavelength);
-            table.values.push(value);
+            *value = found.max(0.0);
         }
+        rows.push((wavelength, values));
     }
-    if tables[0].wavelengths.is_empty() {
+    if rows.is_empty() {
         return Err((text.line, "the table is empty; give it at least one line".to_owned()));
     }
-    Ok(tables)
+    // Tables put together of several measurements have pairs out of order, and wavelengths twice: then the first counts.
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    rows.dedup_by(|next, kept| next.0 == kept.0);
+    let column = |c: usize| Table {
+        wavelengths: rows.iter().map(|row| row.0).collect(),
+        values: rows.iter().map(|row| row.1[c]).collect(),
+    };
+    Ok(std::array::from_fn(column))
 }
+
+/// A k above minus this is none: what the tables are measured with does not tell smaller ones from it.
+const NOISE: f64 = 1e-6;
 
 /// Numbers between blanks.
 fn numbers(text: &str) -> Result<Vec<f64>, String> {

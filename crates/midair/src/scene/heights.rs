@@ -1,39 +1,125 @@
 //! Height samples from a picture.
 
-use image::{DynamicImage, ImageReader, Limits};
+use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, read as exr_file};
+use image::{DynamicImage, ImageFormat, ImageReader, Limits};
+use std::io::Cursor;
 use std::path::Path;
 
 /// More pixels on a side than this are not a height-field that is traced.
 const MOST_SIDE: u32 = 8192;
+/// The longest file: as many pixels of 32-bit floats in four channels.
+const MOST_BYTES: u64 = 16 * MOST_SIDE as u64 * MOST_SIDE as u64;
+
+/// One number for each pixel, the top row first.
+struct Samples {
+    width: usize,
+    values: Vec<f64>,
+}
 
 /// The samples of a grey picture, the top row first: 0 to 1 for 8 and 16 bit, as they are for
 /// EXR. A picture in colour gives its first channel where the three are equal, else an error.
 ///
 /// The error is a message that names the file.
 pub(super) fn read(path: &Path) -> Result<Vec<Vec<f64>>, String> {
-    let name = path.display();
-    let mut reader = ImageReader::open(path)
-        .and_then(ImageReader::with_guessed_format)
-        .map_err(|e| format!("{name}: cannot be read: {e}"))?;
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(MOST_SIDE);
-    limits.max_image_height = Some(MOST_SIDE);
-    reader.limits(limits);
-    let picture = reader.decode().map_err(|e| format!("{name}: is no picture: {e}"))?;
-    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    use std::io::Read as _;
+    let mut bytes = Vec::new();
+    std::fs::File::open(path)
+        .and_then(|file| file.take(MOST_BYTES).read_to_end(&mut bytes))
+        .map_err(|e| format!("{}: cannot be read: {e}", path.display()))?;
+    decode(&bytes, &path.display().to_string())
+}
+
+/// As [`read`], from the bytes of the file called `name`.
+fn decode(bytes: &[u8], name: &str) -> Result<Vec<Vec<f64>>, String> {
+    let samples = match image::guess_format(bytes) {
+        // The reader is known to index out of bounds on some damaged files.
+        Ok(ImageFormat::OpenExr) => std::panic::catch_unwind(|| of_exr(bytes))
+            .unwrap_or_else(|_| Err("is a damaged EXR picture".to_owned())),
+        _ => of_picture(bytes),
+    };
+    let Samples { width, values } = samples.map_err(|problem| format!("{name}: {problem}"))?;
+    let height = values.len() / width.max(1);
     if width < 2 || height < 2 {
         return Err(format!("{name}: has only {width} x {height} pixels"));
     }
-    let samples = grey(picture)
-        .ok_or_else(|| format!("{name}: is not grey: its colours stand for no height"))?;
-    if let Some(at) = samples.iter().position(|s| !s.is_finite()) {
+    if let Some(at) = values.iter().position(|s| !s.is_finite()) {
         return Err(format!(
             "{name}: pixel [{}, {}] is not a finite number",
             at % width,
             at / width
         ));
     }
-    Ok(samples.chunks(width).map(<[f64]>::to_vec).collect())
+    Ok(values.chunks(width).map(<[f64]>::to_vec).collect())
+}
+
+const COLOURED: &str = "is not grey: its colours stand for no height";
+
+fn of_picture(bytes: &[u8]) -> Result<Samples, String> {
+    let unfit = |e: String| format!("is no picture: {e}");
+    let mut reader = ImageReader::new(Cursor::new(bytes))
+        .with_guessed_format()
+        .map_err(|e| unfit(e.to_string()))?;
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MOST_SIDE);
+    limits.max_image_height = Some(MOST_SIDE);
+    reader.limits(limits);
+    let picture = reader.decode().map_err(|e| unfit(e.to_string()))?;
+    let width = picture.width() as usize;
+    Ok(Samples { width, values: grey(picture).ok_or(COLOURED)? })
+}
+
+/// Of an EXR file the first flat part: its channel Y, the only one beside A, or R where G and B equal it.
+fn of_exr(bytes: &[u8]) -> Result<Samples, String> {
+    let unfit = |e: String| format!("is no EXR picture: {e}");
+    let header = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false)
+        .map_err(|e| unfit(e.to_string()))?;
+    let most = MOST_SIDE as usize;
+    if header.headers.iter().any(|h| h.layer_size.0 > most || h.layer_size.1 > most) {
+        return Err(format!("has more than {most} pixels on a side"));
+    }
+    let image = exr_file()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(|e| unfit(e.to_string()))?;
+    let channels = &image.layer_data.channel_data.list;
+    let named = |name: &str| {
+        let found =
+            channels.iter().find(|channel| channel.name.to_string().eq_ignore_ascii_case(name));
+        found.map(|channel| wide(&channel.sample_data))
+    };
+    let heights: Vec<_> = channels
+        .iter()
+        .filter(|channel| !channel.name.to_string().eq_ignore_ascii_case("a"))
+        .collect();
+    let values = match (named("y"), &heights[..], [named("r"), named("g"), named("b")]) {
+        (Some(y), ..) => y,
+        (None, [only], _) => wide(&only.sample_data),
+        (None, _, [Some(r), Some(g), Some(b)]) => {
+            let equal = |((&r, &g), &b): ((&f64, &f64), &f64)| (r == g && g == b) || r.is_nan();
+            if !r.iter().zip(&g).zip(&b).all(equal) {
+                return Err(COLOURED.to_owned());
+            }
+            r
+        }
+        _ => {
+            let names: Vec<String> = channels.iter().map(|c| c.name.to_string()).collect();
+            return Err(format!("has the channels {}, and none of them is Y", names.join(", ")));
+        }
+    };
+    Ok(Samples { width: image.layer_data.size.0, values })
+}
+
+fn wide(samples: &FlatSamples) -> Vec<f64> {
+    match samples {
+        FlatSamples::F16(values) => values.iter().map(|v| v.to_f64()).collect(),
+        FlatSamples::F32(values) => values.iter().map(|&v| f64::from(v)).collect(),
+        FlatSamples::U32(values) => values.iter().map(|&v| f64::from(v)).collect(),
+    }
 }
 
 /// One number per pixel; `None` for a picture with colours.
@@ -55,5 +141,50 @@ fn grey(picture: DynamicImage) -> Option<Vec<f64>> {
             .map(|p| equal(p.0.map(|c| f64::from(c) / 65535.0)))
             .collect(),
         _ => picture.to_rgb32f().pixels().map(|p| equal(p.0.map(f64::from))).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use exr::prelude::{
+        AnyChannel, AnyChannels, Encoding, Image, Layer, LayerAttributes, Text, WritableImage,
+    };
+
+    /// A picture of 3 x 2 pixels with these channels.
+    fn exr_of(channels: &[(&str, [f32; 6])]) -> Vec<u8> {
+        let list = channels.iter().map(|(name, samples)| {
+            AnyChannel::new(Text::new_or_panic(name), FlatSamples::F32(samples.to_vec()))
+        });
+        let attributes = LayerAttributes::default();
+        let layer = Layer::new(
+            (3, 2),
+            attributes,
+            Encoding::FAST_LOSSLESS,
+            AnyChannels::sort(list.collect()),
+        );
+        let mut bytes = Cursor::new(Vec::new());
+        Image::from_layer(layer).write().to_buffered(&mut bytes).unwrap();
+        bytes.into_inner()
+    }
+
+    #[test]
+    fn grey_exr_pictures_are_read_whatever_their_channel_is_called() {
+        let heights = [0.0, 0.25, 0.5, 0.75, 1.0, 2.0f32];
+        let rows = vec![vec![0.0, 0.25, 0.5], vec![0.75, 1.0, 2.0]];
+        let other = [7.0; 6];
+        for channels in [
+            &[("Y", heights)][..],
+            &[("Y", heights), ("A", other)],
+            &[("A", other), ("Z", heights)],
+            &[("R", heights), ("G", heights), ("B", heights)],
+        ] {
+            assert_eq!(decode(&exr_of(channels), "a.exr").as_ref(), Ok(&rows), "{channels:?}");
+        }
+        let coloured = exr_of(&[("R", heights), ("G", other), ("B", heights)]);
+        assert!(decode(&coloured, "a.exr").unwrap_err().contains("not grey"));
+        let vectors = exr_of(&[("U", heights), ("V", other)]);
+        assert!(decode(&vectors, "a.exr").unwrap_err().contains("U, V"));
+        assert!(decode(&coloured[..40], "a.exr").unwrap_err().starts_with("a.exr: "));
     }
 }

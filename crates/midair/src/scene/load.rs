@@ -18,8 +18,8 @@ use std::sync::Arc;
 pub enum Asset {
     /// The element names no file.
     None,
-    /// Its mesh, checked and mended, in its own frame and in mm; with vertex normals if they are
-    /// smooth.
+    /// Its mesh, checked and mended, in its own frame and in mm; with normals at its corners if they are
+    /// not each face's own.
     Mesh(Arc<TriangleMesh>),
     /// Its height samples, the first row at the +y edge, before the amplitude.
     Heights(Vec<Vec<f64>>),
@@ -119,7 +119,20 @@ pub fn with_files(scene: Scene, text: SceneText, folder: PathBuf) -> Result<Load
                     ));
                 }
                 let mesh = mesh.scaled(scale * unit);
+                if !matches!(normals, Normals::Auto { .. })
+                    && text.has(&format!("element[{i}].shape.crease_angle"))
+                {
+                    notes.push(format!(
+                        "{}: crease_angle counts only with normals = \"auto\"",
+                        file.display()
+                    ));
+                }
                 Asset::Mesh(Arc::new(match normals {
+                    Normals::Auto { crease_angle } => {
+                        let (mesh, shading) = mesh.with_creased_normals(*crease_angle);
+                        notes.push(format!("{}: {}", file.display(), shading.note(*crease_angle)));
+                        mesh
+                    }
                     Normals::Smooth => mesh.with_smooth_normals(),
                     Normals::Flat => mesh,
                 }))

@@ -132,9 +132,14 @@ pub enum Facing {
 }
 
 /// How a mesh's normals are taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Normals {
-    /// Interpolated from the vertices.
+    /// The file's own where it has them and they fit its faces; elsewhere interpolated over edges of less than the crease angle, and sharp above.
+    Auto {
+        /// The angle between two faces' normals above which their edge is sharp, degrees.
+        crease_angle: f64,
+    },
+    /// Interpolated from the vertices, over every edge.
     Smooth,
     /// Each face's own.
     Flat,

@@ -301,6 +301,7 @@ fn shape(fields: &Fields<'_>) -> Option<Shape> {
             scale: fields.number("scale")?,
             unit: millimetres(fields.text("unit")?)?,
             normals: match fields.text("normals")? {
+                "auto" => Normals::Auto { crease_angle: fields.number("crease_angle")? },
                 "smooth" => Normals::Smooth,
                 "flat" => Normals::Flat,
                 _ => return None,

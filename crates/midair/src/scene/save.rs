@@ -122,12 +122,15 @@ fn shape(shape: &Shape) -> String {
             let named = UNITS.iter().find(|(_, factor)| factor == unit);
             let (scale, unit) = named.map_or((scale * unit, "mm"), |(name, _)| (*scale, name));
             let normals = match normals {
-                Normals::Smooth => "smooth",
-                Normals::Flat => "flat",
+                Normals::Auto { crease_angle } => {
+                    format!("\"auto\", crease_angle = {crease_angle:?}")
+                }
+                Normals::Smooth => "\"smooth\"".to_owned(),
+                Normals::Flat => "\"flat\"".to_owned(),
             };
             format!(
                 "kind = \"mesh\", file = {}, scale = {scale:?}, unit = \"{unit}\", \
-                 normals = \"{normals}\"",
+                 normals = {normals}",
                 text(&file.to_string_lossy())
             )
         }

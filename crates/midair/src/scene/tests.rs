@@ -662,7 +662,11 @@ fn shape_strategy() -> impl Strategy<Value = Shape> {
             "[^\\x00]{1,20}",
             1e-9..1e9f64,
             prop::sample::select(tree::UNITS.to_vec()),
-            prop_oneof![Just(Normals::Smooth), Just(Normals::Flat)]
+            prop_oneof![
+                (0.0..180.0f64).prop_map(|crease_angle| Normals::Auto { crease_angle }),
+                Just(Normals::Smooth),
+                Just(Normals::Flat)
+            ]
         )
             .prop_map(|(file, scale, (_, unit), normals)| Shape::Mesh {
                 file: file.into(),

@@ -21,8 +21,7 @@ pub enum Action {
 
 /// One meeting on a path.
 ///
-/// Steps are equal if F goes on smoothly (or at least without a jump) from one to the other: faces count as different,
-/// except those of a smooth mesh.
+/// Steps are equal if F goes on smoothly (or at least without a jump) from one to the other: on the same part of a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
     /// Index of the element in the set-up; meaningless at the plate.
@@ -31,7 +30,9 @@ pub struct Step {
     pub crossing: Crossing,
     /// Which face of the element.
     pub face: u32,
-    /// Whether faces join without a jump: the triangles of a smooth mesh.
+    /// The part of the surface that the face belongs to: itself, or triangles that join without a sharp edge.
+    pub part: u32,
+    /// Whether that part is bent and made of many faces: the face changes along it.
     pub seamless: bool,
     /// What happens there.
     pub action: Action,
@@ -39,8 +40,8 @@ pub struct Step {
 
 impl PartialEq for Step {
     fn eq(&self, other: &Self) -> bool {
-        (self.element, self.crossing, self.action) == (other.element, other.crossing, other.action)
-            && (self.face == other.face || self.seamless)
+        (self.element, self.crossing, self.action, self.part)
+            == (other.element, other.crossing, other.action, other.part)
     }
 }
 

@@ -214,6 +214,7 @@ impl Setup {
                         element: 0,
                         crossing: Crossing::Enter,
                         face: 0,
+                        part: 0,
                         seamless: false,
                         action: Action::Plate,
                     };
@@ -301,7 +302,7 @@ impl Setup {
         let element = &self.elements[usize::from(step.element)];
         let settled = element
             .shape
-            .smooth_mesh()
+            .bent_mesh()
             .and_then(|mesh| mesh.settle(&ray.to_local(&element.frame), step.face, step.crossing));
         step.face = settled.unwrap_or(step.face);
         settled.is_some()

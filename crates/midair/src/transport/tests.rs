@@ -344,8 +344,9 @@ pub(crate) fn ball_mesh_of(radius: f64, smooth: bool, stacks: usize, slices: usi
             triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
         }
     }
-    let normals = smooth.then(|| positions.iter().map(|p| p.normalized()).collect());
-    MeshSurface::new(&TriangleMesh { positions, triangles, normals })
+    let normal = |v: u32| positions[v as usize].normalized();
+    let normals = smooth.then(|| triangles.iter().map(|t: &[u32; 3]| t.map(normal)).collect());
+    MeshSurface::new(&TriangleMesh { positions, triangles, normals, ..TriangleMesh::default() })
 }
 
 #[test]

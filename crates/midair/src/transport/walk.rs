@@ -55,12 +55,13 @@ impl Setup {
                 }
             }
         };
-        let seamless = element.shape.smooth_mesh().is_some();
+        let part = element.shape.part(hit.face);
         Some(Step {
             element: index as u16,
             crossing: hit.crossing,
             face: hit.face,
-            seamless,
+            part: part.number,
+            seamless: part.is_bent,
             action,
         })
     }

@@ -10,7 +10,7 @@ use crate::arguments::{GainMode, Size, map_formats};
 use crate::failure::Failure;
 use crate::summary::Voice;
 use clap::ValueEnum;
-use midair::map::format::{Format, read_map};
+use midair::map::format::{Format, Reading, decode_map};
 use midair::map::{Gain, Map};
 use midair::picture::{Evening, Filter, Sequence};
 use std::path::{Path, PathBuf};
@@ -42,6 +42,9 @@ pub struct Arguments {
     /// Pixels of the picture that an ffmpeg or opencv map was made for [default: those of IN]
     #[arg(long, value_name = "WxH")]
     source: Option<Size>,
+    /// Region of an MPCDI map that has several, one for each projector
+    #[arg(long, value_name = "ID")]
+    region: Option<String>,
     /// How pixels are made of a film's frames; pictures are always done sharply
     #[arg(long, value_enum, default_value_t)]
     filter: FilterName,
@@ -93,7 +96,9 @@ impl Arguments {
     /// The map for pictures of `size` pixels.
     fn read_map(&self, size: [usize; 2]) -> Result<Ready, Failure> {
         let size = self.source.map_or(size, |Size(size)| size);
-        let loaded = read_map(&self.map, self.from, Some(size))?;
+        let region = self.region.as_deref();
+        let reading = Reading { format: self.from, source: Some(size), region };
+        let loaded = decode_map(&self.map, &|file| std::fs::read(file), &reading)?;
         let gain = match loaded.gain {
             None if self.gain.is_some() => {
                 return Err(Failure::new(

@@ -2,15 +2,25 @@
 //!
 //! Read here on plain JSON, since the format's library panics on indices and lengths that do not fit.
 
-use super::read::too_many;
-use super::{MeshError, RawMesh, read_file};
+use super::ply::strip_triangles;
+use super::read::{Beside, NO_NORMAL, too_many};
+use super::{MeshError, RawMesh};
 use crate::geometry::Vec3;
 use base64::Engine as _;
+use base64::alphabet::STANDARD;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use serde_json::Value;
+use std::borrow::Cow;
+use std::cell::OnceCell;
 use std::path::{Component, Path};
 
-pub(super) fn read(bytes: &[u8], file: &str, folder: Option<&Path>) -> Result<RawMesh, MeshError> {
+pub(super) fn read(
+    bytes: &[u8],
+    file: &str,
+    beside: Option<&Beside<'_>>,
+) -> Result<RawMesh, MeshError> {
     let (json, blob) = chunks(bytes, file)?;
+    let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     let root: Value = serde_json::from_slice(json)
         .map_err(|e| MeshError::syntax(file, format!("is not valid glTF: {e}")))?;
     let version = root["asset"]["version"].as_str().unwrap_or_default();
@@ -21,29 +31,28 @@ pub(super) fn read(bytes: &[u8], file: &str, folder: Option<&Path>) -> Result<Ra
             "export it as glTF 2.0",
         ));
     }
-    if let Some(needed) = root["extensionsRequired"].as_array()
-        && !needed.is_empty()
-    {
-        let names: Vec<&str> = needed.iter().filter_map(Value::as_str).take(5).collect();
-        return Err(unsupported(file, &format!("the extensions {}", names.join(", "))));
+    let needed = list(&root["extensionsRequired"]).filter_map(Value::as_str);
+    let needed: Vec<&str> = needed.filter(|name| !leaves_geometry(name)).take(5).collect();
+    if !needed.is_empty() {
+        return Err(unsupported(file, &format!("the extensions {}", needed.join(", "))));
     }
-    let mut document = Document { root: &root, buffers: Vec::new(), file };
-    for i in 0..root["buffers"].as_array().map_or(0, Vec::len) {
-        document.buffers.push(match &root["buffers"][i]["uri"] {
-            Value::Null => blob
-                .map(<[u8]>::to_vec)
-                .ok_or_else(|| MeshError::syntax(file, format!("buffer {i} has no data")))?,
-            uri => fetch(uri.as_str().unwrap_or_default(), file, folder)?,
-        });
-    }
-    document.triangles()
+    let buffers = list(&root["buffers"]).map(|_| OnceCell::new()).collect();
+    Document { root: &root, buffers, blob, file, beside }.triangles()
+}
+
+/// Whether an extension has nothing to do with where surfaces are, or is read here.
+fn leaves_geometry(name: &str) -> bool {
+    const KINDS: [&str; 8] =
+        ["materials", "texture", "lights", "xmp", "animation", "audio", "image", "techniques"];
+    let kind = name.split_once('_').map_or("", |(_, kind)| kind);
+    name == "KHR_mesh_quantization" || KINDS.iter().any(|known| kind.starts_with(known))
 }
 
 fn unsupported(file: &str, what: &str) -> MeshError {
     MeshError::new(
         file,
         format!("needs {what}, which are not read here"),
-        "export plain triangles: uncompressed, with skins and morphs applied",
+        "export plain triangles: uncompressed, with skins, morphs and instances applied",
     )
 }
 
@@ -53,46 +62,47 @@ fn chunks<'a>(bytes: &'a [u8], file: &str) -> Result<(&'a [u8], Option<&'a [u8]>
         return Ok((bytes, None));
     }
     let word = |at: usize| {
-        bytes
-            .get(at..at + 4)
-            .and_then(|b| <[u8; 4]>::try_from(b).ok())
-            .map(|b| u32::from_le_bytes(b) as usize)
+        let bytes = bytes.get(at..)?.first_chunk();
+        bytes.map(|&b| u32::from_le_bytes(b) as usize)
     };
     let short = || MeshError::syntax(file, "ends within its header or a chunk");
     if word(4).ok_or_else(short)? != 2 {
         return Err(MeshError::syntax(file, "is not version 2 of GLB"));
     }
     let mut at = 12;
-    let mut chunk = |kind: &[u8; 4]| -> Result<&'a [u8], MeshError> {
-        let length = word(at).ok_or_else(short)?;
-        let found = bytes.get(at + 4..at + 8).ok_or_else(short)?;
+    let (mut json, mut blob) = (None, None);
+    // What follows the last whole chunk, or is of another kind, is to be ignored.
+    while let Some(length) = word(at) {
+        let kind = bytes.get(at + 4..at + 8).ok_or_else(short)?;
         let data = bytes.get(at + 8..(at + 8).saturating_add(length)).ok_or_else(short)?;
-        if found != kind {
-            return Err(MeshError::syntax(file, "has its chunks in the wrong order"));
+        match (kind, json) {
+            (b"JSON", None) => json = Some(data),
+            (_, None) => {
+                return Err(MeshError::syntax(file, "has its chunks in the wrong order"));
+            }
+            (b"BIN\0", _) if blob.is_none() => blob = Some(data),
+            _ => {}
         }
         at += 8 + length;
-        Ok(data)
-    };
-    let json = chunk(b"JSON")?;
-    let blob = if 20 + json.len() < bytes.len() { Some(chunk(b"BIN\0")?) } else { None };
-    Ok((json, blob))
+    }
+    Ok((json.ok_or_else(short)?, blob))
 }
 
-/// A buffer's bytes from a data URI, or from a file in or below `folder`.
-fn fetch(uri: &str, file: &str, folder: Option<&Path>) -> Result<Vec<u8>, MeshError> {
+/// A buffer's bytes from a data URI, or from a file in or below the model's folder.
+fn fetch(uri: &str, file: &str, beside: Option<&Beside<'_>>) -> Result<Vec<u8>, MeshError> {
     let shown: String = uri.chars().take(60).collect();
     if let Some(data) = uri.strip_prefix("data:") {
-        let encoded = data.split_once(";base64,").map(|(_, encoded)| encoded);
-        return encoded
-            .and_then(|e| base64::engine::general_purpose::STANDARD.decode(e).ok())
+        return inline(data)
             .ok_or_else(|| MeshError::syntax(file, format!("has a bad data URI: {shown}")));
     }
-    let path = Path::new(uri);
+    let name = decoded(uri);
+    let name = std::str::from_utf8(&name).unwrap_or_default();
+    let path = Path::new(name);
     // A model must not read whatever file it names.
     let below = path.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
-    match folder {
-        Some(folder) if below && !uri.is_empty() && !uri.contains(':') => {
-            read_file(&folder.join(path)).map_err(|e| {
+    match beside {
+        Some(beside) if below && !name.is_empty() && !uri.contains(':') => {
+            beside(path).map_err(|e| {
                 MeshError::new(
                     file,
                     format!("its buffer {shown} cannot be read: {e}"),
@@ -108,6 +118,43 @@ fn fetch(uri: &str, file: &str, folder: Option<&Path>) -> Result<Vec<u8>, MeshEr
     }
 }
 
+/// The bytes of a data URI after `data:` (RFC 2397): in base64, or as they are.
+fn inline(data: &str) -> Option<Vec<u8>> {
+    let (about, content) = data.split_once(',')?;
+    let content = decoded(content);
+    if !about.rsplit(';').next().is_some_and(|last| last.trim().eq_ignore_ascii_case("base64")) {
+        return Some(content.into_owned());
+    }
+    let config =
+        GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);
+    let text: Vec<u8> = content.iter().copied().filter(|b| !b.is_ascii_whitespace()).collect();
+    GeneralPurpose::new(&STANDARD, config).decode(text).ok()
+}
+
+/// A URI's bytes with what stands as `%20` and the like put back (RFC 3986, 2.1); a lone percent sign stays one.
+fn decoded(uri: &str) -> Cow<'_, [u8]> {
+    if !uri.contains('%') {
+        return Cow::Borrowed(uri.as_bytes());
+    }
+    let bytes = uri.as_bytes();
+    let mut out = Vec::with_capacity(bytes.len());
+    let mut at = 0;
+    while at < bytes.len() {
+        let digit = |k: usize| char::from(*bytes.get(k)?).to_digit(16);
+        match (bytes[at], digit(at + 1), digit(at + 2)) {
+            (b'%', Some(high), Some(low)) => {
+                out.push((16 * high + low) as u8);
+                at += 3;
+            }
+            (byte, ..) => {
+                out.push(byte);
+                at += 1;
+            }
+        }
+    }
+    Cow::Owned(out)
+}
+
 /// Column-major.
 type Matrix = [[f64; 4]; 4];
 
@@ -115,8 +162,11 @@ const IDENTITY: Matrix = [[1., 0., 0., 0.], [0., 1., 0., 0.], [0., 0., 1., 0.], 
 
 struct Document<'a> {
     root: &'a Value,
-    buffers: Vec<Vec<u8>>,
+    /// Fetched when they are needed: those of textures and animations never are.
+    buffers: Vec<OnceCell<Vec<u8>>>,
+    blob: Option<&'a [u8]>,
     file: &'a str,
+    beside: Option<&'a Beside<'a>>,
 }
 
 impl<'a> Document<'a> {
@@ -158,19 +208,31 @@ impl<'a> Document<'a> {
             .ok_or_else(|| self.bad(format!("has a transform that is not {N} numbers")))
     }
 
-    /// The triangles of every node of the default scene; without one, of the first.
+    /// The triangles of every node of the default scene; without one, of the first; without any, of all nodes, or meshes.
     fn triangles(&self) -> Result<RawMesh, MeshError> {
         let zero = Value::from(0);
         let scene = match &self.root["scene"] {
             Value::Null => &zero,
             scene => scene,
         };
-        let (_, scene) = self.object("scenes", scene)?;
         let mut raw = RawMesh::default();
+        let roots: Vec<Value> = if list(&self.root["scenes"]).next().is_some() {
+            list(&self.object("scenes", scene)?.1["nodes"]).cloned().collect()
+        } else {
+            let nodes = || list(&self.root["nodes"]);
+            let child = |i: usize| {
+                nodes().flat_map(|n| list(&n["children"])).any(|c| c.as_u64() == Some(i as u64))
+            };
+            (0..nodes().count()).filter(|&i| !child(i)).map(Value::from).collect()
+        };
+        if roots.is_empty() && list(&self.root["nodes"]).next().is_none() {
+            for mesh in list(&self.root["meshes"]) {
+                self.add_mesh(mesh, &Value::Null, &IDENTITY, &mut raw)?;
+            }
+        }
         let mut visited = std::collections::HashSet::new();
         // Nodes are visited in the file's order: faces are numbered along it.
-        let mut open: Vec<(&Value, Matrix)> =
-            list(&scene["nodes"]).map(|n| (n, IDENTITY)).collect();
+        let mut open: Vec<(&Value, Matrix)> = roots.iter().map(|n| (n, IDENTITY)).collect();
         open.reverse();
         while let Some((index, parent)) = open.pop() {
             let (place, node) = self.object("nodes", index)?;
@@ -178,21 +240,45 @@ impl<'a> Document<'a> {
             if !visited.insert(place) {
                 return Err(self.bad(format!("node {place} has more than one parent")));
             }
+            let extensions = &node["extensions"];
+            if extensions["KHR_node_visibility"]["visible"] == Value::Bool(false) {
+                continue;
+            }
             let matrix = product(&parent, &self.transform(node)?);
             if !node["mesh"].is_null() {
                 if !node["skin"].is_null() {
                     return Err(unsupported(self.file, "skins"));
                 }
-                let (_, mesh) = self.object("meshes", &node["mesh"])?;
-                for primitive in list(&mesh["primitives"]) {
-                    self.add(primitive, &matrix, &mut raw)?;
+                if !extensions["EXT_mesh_gpu_instancing"].is_null() {
+                    return Err(unsupported(self.file, "instances (EXT_mesh_gpu_instancing)"));
                 }
+                let (_, mesh) = self.object("meshes", &node["mesh"])?;
+                self.add_mesh(mesh, &node["weights"], &matrix, &mut raw)?;
             }
             let first = open.len();
             open.extend(list(&node["children"]).map(|child| (child, matrix)));
             open[first..].reverse();
         }
         Ok(raw)
+    }
+
+    /// `weights` are the node's, of morph targets; the mesh's own stand for them where it has none.
+    fn add_mesh(
+        &self,
+        mesh: &Value,
+        weights: &Value,
+        matrix: &Matrix,
+        raw: &mut RawMesh,
+    ) -> Result<(), MeshError> {
+        let weights = if weights.is_null() { &mesh["weights"] } else { weights };
+        let morphed = list(weights).any(|weight| weight.as_f64() != Some(0.0));
+        for primitive in list(&mesh["primitives"]) {
+            if morphed && list(&primitive["targets"]).next().is_some() {
+                return Err(unsupported(self.file, "morph targets"));
+            }
+            self.add(primitive, matrix, raw)?;
+        }
+        Ok(())
     }
 
     /// A node's own transform: its matrix, or translation times rotation times scale.
@@ -219,100 +305,183 @@ impl<'a> Document<'a> {
     }
 
     fn add(&self, primitive: &Value, matrix: &Matrix, raw: &mut RawMesh) -> Result<(), MeshError> {
-        match self.size(&primitive["mode"], 4)? {
-            4 => {}
-            // Points and lines have no faces.
-            0..=3 => return Ok(()),
-            _ => return Err(unsupported(self.file, "triangle strips or fans")),
-        }
-        if list(&primitive["targets"]).next().is_some() {
-            return Err(unsupported(self.file, "morph targets"));
+        let mode = self.size(&primitive["mode"], 4)?;
+        // Points and lines have no faces.
+        if mode < 4 {
+            return Ok(());
         }
         let first = raw.positions.len();
-        let positions =
-            self.items(&primitive["attributes"]["POSITION"], &[(5126, "VEC3", 12)], |_, b| {
-                let float = |at: usize| {
-                    f64::from(f32::from_le_bytes([b[at], b[at + 1], b[at + 2], b[at + 3]]))
-                };
-                let p = [float(0), float(4), float(8), 1.0];
-                let row = |r: usize| (0..4).map(|k| matrix[k][r] * p[k]).sum::<f64>();
-                Vec3::new(row(0), row(1), row(2))
-            })?;
+        let columns = [0, 1, 2, 3].map(|k| Vec3::new(matrix[k][0], matrix[k][1], matrix[k][2]));
+        let [x, y, z, shift] = columns;
+        let attributes = &primitive["attributes"];
+        // Integers are what KHR_mesh_quantization allows.
+        let positions = self.vectors(&attributes["POSITION"], &[5120, 5121, 5122, 5123, 5126])?;
         let count = positions.len();
+        let determinant = x.cross(y).dot(z);
+        let normals: Vec<Vec3> = match &attributes["NORMAL"] {
+            Value::Null => Vec::new(),
+            accessor => {
+                // The matrix of cofactors is the inverse's transpose, but for the determinant.
+                let cofactors =
+                    [y.cross(z), z.cross(x), x.cross(y)].map(|c| c * determinant.signum());
+                let normals = self.vectors(accessor, &[5120, 5122, 5126])?;
+                let turned = normals
+                    .into_iter()
+                    .map(|n| cofactors[0] * n.x + cofactors[1] * n.y + cofactors[2] * n.z);
+                turned.collect()
+            }
+        };
         let indices: Vec<u32> = match &primitive["indices"] {
             Value::Null => (0..count as u32).collect(),
-            accessor => self.items(
-                accessor,
-                &[(5121, "SCALAR", 1), (5123, "SCALAR", 2), (5125, "SCALAR", 4)],
-                |size, b| match size {
-                    1 => u32::from(b[0]),
-                    2 => u32::from(u16::from_le_bytes([b[0], b[1]])),
-                    _ => u32::from_le_bytes([b[0], b[1], b[2], b[3]]),
-                },
-            )?,
+            accessor => {
+                let indices = self.components(accessor, "SCALAR", 1, &[5121, 5123, 5125])?;
+                indices.into_iter().map(|i| i as u32).collect()
+            }
         };
         // Many nodes may share one mesh: a small file can mean a thousand million triangles.
         too_many(raw.triangles.len() + indices.len() / 3, self.file)?;
         too_many((first + count) / 3, self.file)?;
-        raw.positions.extend(positions);
-        let [x, y, z] = [0, 1, 2].map(|k| Vec3::new(matrix[k][0], matrix[k][1], matrix[k][2]));
-        // A mirroring transform turns the faces inside out: the format says to turn them back.
-        let mirrored = x.cross(y).dot(z) < 0.0;
-        for corners in indices.chunks_exact(3) {
+        raw.positions.extend(positions.iter().map(|p| x * p.x + y * p.y + z * p.z + shift));
+        let triangles: Vec<[u32; 3]> = match mode {
+            4 => indices.as_chunks::<3>().0.to_vec(),
+            5 => strip_triangles(&indices).collect(),
+            6 => match &indices[..] {
+                [centre, rim @ ..] => rim.windows(2).map(|w| [w[0], w[1], *centre]).collect(),
+                [] => Vec::new(),
+            },
+            _ => return Err(self.bad(format!("has a primitive of mode {mode}, which is none"))),
+        };
+        for [a, b, c] in triangles {
             let face = raw.triangles.len() as u32;
+            // A mirroring transform turns the faces inside out: the format says to turn them back.
+            let corners = if determinant < 0.0 { [a, c, b] } else { [a, b, c] };
             // Out of range in its own list is out of range in the whole one.
             let shifted = |i: u32| if (i as usize) < count { first as u32 + i } else { u32::MAX };
-            let [a, b, c] = [corners[0], corners[1], corners[2]].map(shifted);
-            raw.push_polygon(&if mirrored { [a, c, b] } else { [a, b, c] }, face, None);
+            let own = |i: u32| normals.get(i as usize).copied().unwrap_or(NO_NORMAL);
+            let own = if normals.is_empty() { Vec::new() } else { corners.map(own).to_vec() };
+            raw.push_polygon_with_normals(&corners.map(shifted), &own, face, None);
         }
         Ok(())
     }
 
-    /// An accessor's items, each made from its size and bytes; refuses what does not lie within its
-    /// buffer. `allowed` are the component types, item types, and sizes in bytes that may stand here.
-    fn items<T>(
+    /// The vectors of an accessor whose components are of an allowed type.
+    fn vectors(&self, accessor: &Value, allowed: &[u64]) -> Result<Vec<Vec3>, MeshError> {
+        let numbers = self.components(accessor, "VEC3", 3, allowed)?;
+        Ok(numbers.as_chunks::<3>().0.iter().map(|&v| Vec3::from_array(v)).collect())
+    }
+
+    /// An accessor's numbers: `width` of them to an item of this `kind`, of an allowed component type.
+    fn components(
         &self,
         accessor: &Value,
-        allowed: &[(u64, &str, usize)],
-        item: impl Fn(usize, &[u8]) -> T,
-    ) -> Result<Vec<T>, MeshError> {
+        kind: &str,
+        width: usize,
+        allowed: &[u64],
+    ) -> Result<Vec<f64>, MeshError> {
         let (place, accessor) = self.object("accessors", accessor)?;
-        if !accessor["sparse"].is_null() {
-            return Err(unsupported(self.file, "sparse accessors"));
+        let component = accessor["componentType"].as_u64().unwrap_or_default();
+        if !allowed.contains(&component) || accessor["type"].as_str() != Some(kind) {
+            return Err(self
+                .bad(format!("accessor {place} has a type that the format does not allow there")));
         }
-        let size = allowed
-            .iter()
-            .find(|(component, kind, _)| {
-                accessor["componentType"].as_u64() == Some(*component)
-                    && accessor["type"].as_str() == Some(kind)
-            })
-            .map(|&(_, _, size)| size)
-            .ok_or_else(|| {
-                self.bad(format!(
-                    "accessor {place} has a type that the format does not allow there"
-                ))
-            })?;
-        let (_, view) = self.object("bufferViews", &accessor["bufferView"])?;
-        let (buffer, _) = self.object("buffers", &view["buffer"])?;
-        let stride = self.size(&view["byteStride"], size)?;
-        let outside = || self.bad(format!("accessor {place} reaches outside its buffer"));
+        let normalized = accessor["normalized"] == Value::Bool(true);
+        let count = self.size(&accessor["count"], 0)?;
+        let name = format!("accessor {place}");
+        let mut numbers = if accessor["bufferView"].is_null() {
+            // All zeros, but for what `sparse` says.
+            too_many(count / 3, self.file)?;
+            vec![0.0; count * width]
+        } else {
+            self.numbers_at(accessor, &name, component, width, count, normalized)?
+        };
+        let sparse = &accessor["sparse"];
+        if !sparse.is_null() {
+            let name = format!("the sparse part of accessor {place}");
+            let count = self.size(&sparse["count"], 0)?;
+            let (at, with) = (&sparse["indices"], &sparse["values"]);
+            let of = at["componentType"].as_u64().filter(|c| [5121, 5123, 5125].contains(c));
+            let of = of.ok_or_else(|| self.bad(format!("{name} has indices of no type")))?;
+            let places = self.numbers_at(at, &name, of, 1, count, false)?;
+            let values = self.numbers_at(with, &name, component, width, count, normalized)?;
+            for (at, value) in places.iter().zip(values.chunks_exact(width)) {
+                let at = *at as usize * width;
+                let old = numbers.get_mut(at..at + width);
+                old.ok_or_else(|| self.bad(format!("{name} reaches outside of it")))?
+                    .copy_from_slice(value);
+            }
+        }
+        Ok(numbers)
+    }
+
+    /// Numbers in a buffer where `part` says; refuses what does not lie within it.
+    fn numbers_at(
+        &self,
+        part: &Value,
+        name: &str,
+        component: u64,
+        width: usize,
+        count: usize,
+        normalized: bool,
+    ) -> Result<Vec<f64>, MeshError> {
+        let size = match component {
+            5120 | 5121 => 1,
+            5122 | 5123 => 2,
+            _ => 4,
+        };
+        let item = size * width;
+        let (_, view) = self.object("bufferViews", &part["bufferView"])?;
+        let stride = self.size(&view["byteStride"], item)?;
+        let outside = || self.bad(format!("{name} reaches outside its buffer"));
         let start = self.size(&view["byteOffset"], 0)?;
         let end = start.checked_add(self.size(&view["byteLength"], 0)?).ok_or_else(outside)?;
+        let offset = self.size(&part["byteOffset"], 0)?;
         let data = self
-            .buffers
-            .get(buffer)
-            .and_then(|bytes| bytes.get(start..end))
-            .and_then(|view| view.get(self.size(&accessor["byteOffset"], 0).ok()?..))
+            .buffer(&view["buffer"])?
+            .get(start..end)
+            .and_then(|view| view.get(offset..))
             .ok_or_else(outside)?;
-        let count = self.size(&accessor["count"], 0)?;
         let needed = match count.checked_sub(1) {
             None => Some(0),
-            Some(steps) => steps.checked_mul(stride).and_then(|n| n.checked_add(size)),
+            Some(steps) => steps.checked_mul(stride).and_then(|n| n.checked_add(item)),
         };
-        if stride < size || needed.is_none_or(|n| n > data.len()) {
+        if stride < item || needed.is_none_or(|n| n > data.len()) {
             return Err(outside());
         }
-        Ok((0..count).map(|i| item(size, &data[i * stride..i * stride + size])).collect())
+        // A normalised integer's largest value is 1; the two lowest signed ones both are -1 (glTF 2.0, 3.6.2.2).
+        let share =
+            |value: f64, most: f64| if normalized { (value / most).max(-1.0) } else { value };
+        let number = |b: &[u8]| match (component, b) {
+            (5120, &[a]) => share(f64::from(a as i8), 127.0),
+            (5121, &[a]) => share(f64::from(a), 255.0),
+            (5122, &[a, b]) => share(f64::from(i16::from_le_bytes([a, b])), 32767.0),
+            (5123, &[a, b]) => share(f64::from(u16::from_le_bytes([a, b])), 65535.0),
+            (5125, &[a, b, c, d]) => f64::from(u32::from_le_bytes([a, b, c, d])),
+            (_, &[a, b, c, d]) => f64::from(f32::from_le_bytes([a, b, c, d])),
+            // No other size is cut off.
+            _ => f64::NAN,
+        };
+        let items = (0..count).map(|i| &data[i * stride..i * stride + item]);
+        Ok(items.flat_map(|item| item.chunks_exact(size).map(number)).collect())
+    }
+
+    fn buffer(&self, index: &Value) -> Result<&[u8], MeshError> {
+        let (place, buffer) = self.object("buffers", index)?;
+        let bytes = match &buffer["uri"] {
+            Value::Null => self
+                .blob
+                .filter(|_| place == 0)
+                .ok_or_else(|| self.bad(format!("buffer {place} has no data")))?,
+            uri => {
+                let slot = &self.buffers[place];
+                if slot.get().is_none() {
+                    let fetched = fetch(uri.as_str().unwrap_or_default(), self.file, self.beside)?;
+                    // It was empty.
+                    let _ = slot.set(fetched);
+                }
+                slot.get().map_or(&[][..], Vec::as_slice)
+            }
+        };
+        Ok(bytes)
     }
 }
 

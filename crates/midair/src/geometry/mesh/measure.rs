@@ -1,4 +1,4 @@
-//! Plain measures of a mesh: volume, bounds, inside, and vertex normals.
+//! Plain measures of a mesh: volume, bounds, inside.
 
 use super::TriangleMesh;
 use crate::geometry::Vec3;
@@ -54,46 +54,6 @@ impl TriangleMesh {
     /// 4 pi. Solid angles by van Oosterom and Strackee (1983), equation 8.
     pub fn winding_number(&self, point: Vec3) -> f64 {
         winding_number((0..self.triangles.len()).map(|t| self.corners(t)), point)
-    }
-
-    /// The mesh with unit normals at its vertices: the mean of the adjacent faces' normals weighted
-    /// by the angle that each face has at the vertex (Thürmer and Wüthrich 1998). Takes effect after
-    /// duplicate vertices are merged; a vertex whose faces cancel gets one face's own normal.
-    pub fn with_smooth_normals(mut self) -> Self {
-        self.normals = Some(self.smooth_normals());
-        self
-    }
-
-    /// The normals of [`Self::with_smooth_normals`], one per vertex.
-    pub fn smooth_normals(&self) -> Vec<Vec3> {
-        let mut sums = vec![Vec3::ZERO; self.positions.len()];
-        let mut fallback = sums.clone();
-        for t in 0..self.triangles.len() {
-            let p = self.corners(t);
-            let normal = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
-            if !normal.is_finite() {
-                continue;
-            }
-            for (k, &v) in self.triangles[t].iter().enumerate() {
-                let [a, b] = [p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]];
-                let angle = a.cross(b).length().atan2(a.dot(b));
-                sums[v as usize] = sums[v as usize] + normal * angle;
-                fallback[v as usize] = normal;
-            }
-        }
-        sums.iter()
-            .zip(&fallback)
-            .map(|(&sum, &face)| {
-                // Angles add up to order 1: what is left below this is rounding.
-                if sum.length() > 1e-9 {
-                    sum.normalized()
-                } else if face.length() > 0.5 {
-                    face
-                } else {
-                    Vec3::new(0.0, 0.0, 1.0)
-                }
-            })
-            .collect()
     }
 }
 

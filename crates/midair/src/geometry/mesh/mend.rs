@@ -5,6 +5,8 @@
 //! and more faces, surfaces that have no two sides.
 
 use super::measure::{bounds, winding_number};
+use super::overlap::overlapping;
+use super::read::NO_NORMAL;
 use super::{MeshError, RawMesh, TriangleMesh};
 use crate::geometry::Vec3;
 use std::collections::HashMap;
@@ -35,6 +37,8 @@ pub struct Mended {
     pub inside_out: bool,
     /// Closed pieces within others, which are taken as hollows.
     pub hollows: usize,
+    /// Pairs of closed pieces that overlap or touch, each named by one of its faces.
+    pub overlaps: Vec<String>,
 }
 
 impl Mended {
@@ -65,6 +69,12 @@ impl Mended {
         if self.hollows > 0 {
             notes.push(format!("took {} closed pieces within others as hollows", self.hollows));
         }
+        if !self.overlaps.is_empty() {
+            notes.push(format!(
+                "took closed pieces that overlap or touch as one solid, their union: {}",
+                listed(&self.overlaps)
+            ));
+        }
         notes
     }
 }
@@ -89,7 +99,8 @@ const MOST_PIECES: usize = 2000;
 /// Checks and mends a mesh; `file` names it in messages.
 ///
 /// Each connected piece is wound consistently, and outward by its volume. A closed piece within
-/// an odd number of others is a hollow: wound inward. Pieces that overlap stay outward.
+/// an odd number of others is a hollow: wound inward. Pieces that overlap stay outward and are one solid, their union: see
+/// [`TriangleMesh::bodies`].
 ///
 /// # Errors
 /// Slivers of no area; for a closed surface also holes, edges that more than two faces share, and
@@ -143,7 +154,25 @@ pub fn mend(
         }
     }
     mended.inside_out = mended.flipped_faces.len() == triangles.len();
-    let (mesh, used) = compacted(&raw.positions, triangles);
+    let (mut mesh, used) = compacted(&raw.positions, triangles);
+    if !raw.normals.is_empty() {
+        let given = |t: usize| {
+            let [a, b, c] = raw.normals.get(origin[t]).copied().unwrap_or([NO_NORMAL; 3]);
+            if turned.flip[t] { [a, c, b] } else { [a, b, c] }
+        };
+        mesh.given_normals = (0..mesh.triangles.len()).map(given).collect();
+    }
+    if surface == Surface::Closed {
+        let mut bodies = vec![0; mesh.triangles.len()];
+        for (body, range) in (0u32..).zip(pieces.starts.windows(2)) {
+            pieces.order[range[0]..range[1]].iter().for_each(|&t| bodies[t as usize] = body);
+        }
+        let first = |body: u32| name(pieces.order[pieces.starts[body as usize]] as usize);
+        let overlaps = overlapping(&mesh, &bodies);
+        let told = |&[a, b]: &[u32; 2]| format!("that of {} and that of {}", first(a), first(b));
+        mended.overlaps = overlaps.iter().map(told).collect();
+        mesh.bodies = (!overlaps.is_empty()).then_some(bodies);
+    }
     let merged = representative.iter().enumerate().filter(|&(v, &r)| v != r as usize).count();
     mended.merged_vertices = merged;
     mended.unused_vertices = raw.positions.len() - merged - used;
@@ -477,5 +506,5 @@ fn compacted(positions: &[Vec3], mut triangles: Vec<[u32; 3]>) -> (TriangleMesh,
         *v = *new;
     }
     let used = kept.len();
-    (TriangleMesh { positions: kept, triangles, normals: None }, used)
+    (TriangleMesh { positions: kept, triangles, ..TriangleMesh::default() }, used)
 }

@@ -1,31 +1,79 @@
-//! OFF: a header, vertices and polygons as text.
+//! OFF and its relatives: a header, vertices (with normals, colours, texture coordinates) and polygons as text.
+//!
+//! The header's letters are geomview's: `ST` texture coordinates, `C` colours, `N` normals, `4` a fourth, homogeneous coordinate, `n` any number of
+//! coordinates.
 
+use super::text::{lines, number, plain, words};
 use super::{MeshError, RawMesh};
 use crate::geometry::Vec3;
 
+/// What each vertex has beyond three coordinates, as far as it counts.
+#[derive(Clone, Copy, Default)]
+struct Kind {
+    normals: bool,
+    homogeneous: bool,
+}
+
+/// The kind that a header's word names; `Err` for one that is not read here.
+fn kind(word: &str) -> Option<Result<Kind, &'static str>> {
+    let mut letters = word.strip_suffix("OFF")?;
+    let mut kind = Kind::default();
+    while !letters.is_empty() {
+        let rest = ["ST", "C", "N", "4", "n"]
+            .into_iter()
+            .find_map(|l| letters.strip_prefix(l).map(|r| (l, r)));
+        let (letter, rest) = rest?;
+        match letter {
+            "N" => kind.normals = true,
+            "4" => kind.homogeneous = true,
+            "n" => return Some(Err("vertices of any number of coordinates (nOFF)")),
+            _ => {}
+        }
+        letters = rest;
+    }
+    Some(Ok(kind))
+}
+
 pub(super) fn read(bytes: &[u8], file: &str) -> Result<RawMesh, MeshError> {
-    let text = std::str::from_utf8(bytes)
-        .map_err(|_| MeshError::syntax(file, "is not text: only the text form of OFF is read"))?;
-    let mut lines = (1u32..)
-        .zip(text.lines())
-        .map(|(number, line)| (number, line.split('#').next().unwrap_or("").trim()))
-        .filter(|(_, line)| !line.is_empty());
+    let bytes = &*plain(bytes);
+    let mut lines = lines(bytes)
+        .map(|(number, line)| (number, line.split(|&b| b == b'#').next().unwrap_or_default()))
+        .filter(|(_, line)| words(line).next().is_some());
+    let at = |line: u32, what: String| MeshError::syntax(file, format!("line {line}: {what}"));
 
     let end = || MeshError::syntax(file, "ends too early");
-    let (number, mut header) = lines.next().ok_or_else(end)?;
-    header = header
-        .strip_prefix("OFF")
-        .ok_or_else(|| MeshError::syntax(file, format!("line {number}: does not start with OFF")))?
-        .trim();
+    let (mut line_number, line) = lines.next().ok_or_else(end)?;
+    let mut header: Vec<&str> = words(line).collect();
+    let kind = match kind(header[0]) {
+        Some(found) => {
+            header.remove(0);
+            let binary = header.first().is_some_and(|word| word.eq_ignore_ascii_case("binary"));
+            let other = if binary { Err("the binary form of OFF") } else { found };
+            other.map_err(|what| {
+                MeshError::new(
+                    file,
+                    format!("has {what}, which is not read here"),
+                    "export it as OFF text, or as PLY",
+                )
+            })?
+        }
+        // The word may be left out.
+        None if header[0].parse::<u64>().is_ok() => Kind::default(),
+        None => {
+            return Err(at(
+                line_number,
+                "does not start with OFF, or COFF, NOFF, STOFF and the like".to_owned(),
+            ));
+        }
+    };
     // The counts may stand on the header's own line.
-    let (number, counts) =
-        if header.is_empty() { lines.next().ok_or_else(end)? } else { (number, header) };
-    let mut counts = counts.split_ascii_whitespace().map(str::parse::<u64>);
-    let (Some(Ok(vertices)), Some(Ok(faces))) = (counts.next(), counts.next()) else {
-        return Err(MeshError::syntax(
-            file,
-            format!("line {number}: needs the numbers of vertices, faces and edges"),
-        ));
+    if header.is_empty() {
+        let (number, line) = lines.next().ok_or_else(end)?;
+        (line_number, header) = (number, words(line).collect());
+    }
+    let count = |k: usize| header.get(k).and_then(|word| word.parse::<u64>().ok());
+    let (Some(vertices), Some(faces)) = (count(0), count(1)) else {
+        return Err(at(line_number, "needs the numbers of vertices, faces and edges".to_owned()));
     };
     // A vertex or a face takes at least six bytes: three digits and what parts them.
     for (claimed, what) in [(vertices, "vertices"), (faces, "faces")] {
@@ -35,41 +83,53 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<RawMesh, MeshError> {
     }
 
     let mut raw = RawMesh::default();
+    let mut normals = Vec::new();
+    let coordinates = if kind.homogeneous { 4 } else { 3 };
+    let needed = coordinates + if kind.normals { 3 } else { 0 };
     for v in 0..vertices {
-        let (number, line) = lines.next().ok_or_else(|| {
-            MeshError::syntax(file, format!("ends after {v} of {vertices} vertices"))
-        })?;
-        let mut words = line.split_ascii_whitespace().map(|w| w.parse::<f64>().ok());
-        let mut coordinate = || words.next().flatten();
-        match (coordinate(), coordinate(), coordinate()) {
-            (Some(x), Some(y), Some(z)) => raw.positions.push(Vec3::new(x, y, z)),
-            _ => {
-                return Err(MeshError::syntax(
-                    file,
-                    format!("line {number}: vertex {v} needs three numbers"),
-                ));
+        let mut numbers: Vec<f64> = Vec::with_capacity(needed);
+        // What is more on the last line is a colour or a texture's.
+        while numbers.len() < needed {
+            let (number_of_line, line) = lines.next().ok_or_else(|| {
+                MeshError::syntax(file, format!("ends after {v} of {vertices} vertices"))
+            })?;
+            let missing = needed - numbers.len();
+            for word in words(line).take(missing) {
+                numbers.push(number(word).ok_or_else(|| {
+                    at(number_of_line, format!("vertex {v} needs {needed} numbers"))
+                })?);
             }
         }
+        let point = Vec3::new(numbers[0], numbers[1], numbers[2]);
+        raw.positions.push(if kind.homogeneous { point * (1.0 / numbers[3]) } else { point });
+        if kind.normals {
+            let n = &numbers[coordinates..];
+            normals.push(Vec3::new(n[0], n[1], n[2]));
+        }
     }
-    let mut corners = Vec::new();
+    let mut corners: Vec<u32> = Vec::new();
     for face in 0..faces {
-        let (number, line) = lines.next().ok_or_else(|| {
-            MeshError::syntax(file, format!("ends after {face} of {faces} faces"))
-        })?;
-        let mut words = line.split_ascii_whitespace().map(|w| w.parse::<u32>().ok());
-        let count = words.next().flatten().unwrap_or(0) as usize;
+        let ends = || MeshError::syntax(file, format!("ends after {face} of {faces} faces"));
+        let (number_of_line, line) = lines.next().ok_or_else(ends)?;
+        let mut found = words(line);
+        let count = found.next().and_then(|word| word.parse::<usize>().ok()).unwrap_or(0);
         corners.clear();
         // What follows the corners is a colour.
-        corners.extend(words.take(count).map_while(|w| w));
+        corners.extend(found.take(count).map_while(|word| word.parse::<u32>().ok()));
         if count < 3 || corners.len() != count {
-            return Err(MeshError::syntax(
-                file,
-                format!(
-                    "line {number}: face {face} needs a count of at least 3 and as many corners"
-                ),
+            return Err(at(
+                number_of_line,
+                format!("face {face} needs a count of at least 3 and as many corners"),
             ));
         }
-        raw.push_polygon(&corners, face as u32, Some(number));
+        let of_corners: Option<Vec<Vec3>> =
+            corners.iter().map(|&v| normals.get(v as usize).copied()).collect();
+        raw.push_polygon_with_normals(
+            &corners,
+            &of_corners.filter(|_| kind.normals).unwrap_or_default(),
+            face as u32,
+            Some(number_of_line),
+        );
     }
     Ok(raw)
 }

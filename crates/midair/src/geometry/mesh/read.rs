@@ -1,6 +1,6 @@
 //! From the bytes of any format to vertices and triangles.
 
-use super::{MeshError, gltf, obj, off, ply, stl};
+use super::{MeshError, gltf, obj, off, ply, polygon, stl};
 use crate::geometry::Vec3;
 use std::path::Path;
 
@@ -44,6 +44,10 @@ pub struct RawMesh {
     pub faces: Vec<u32>,
     /// For each triangle the line of a text format that has its face; else empty.
     pub lines: Vec<u32>,
+    /// For each triangle the normals that the file has at its corners, of any length and NaN where it has none; empty for a file without.
+    pub normals: Vec<[Vec3; 3]>,
+    /// The first triangle of the first polygon that crosses itself.
+    pub(super) tangled: Option<usize>,
 }
 
 /// More triangles than this do not fit the memory that tracing them takes.
@@ -61,21 +65,55 @@ impl RawMesh {
         }
     }
 
-    /// Cuts a polygon into a fan of triangles about its first corner.
+    /// Cuts a polygon into triangles.
     ///
     /// `indices` need not be in range: [`read`] checks them for every format.
     pub(super) fn push_polygon(&mut self, indices: &[u32], face: u32, line: Option<u32>) {
-        let [first, rest @ ..] = indices else { return };
-        for pair in rest.windows(2) {
-            self.triangles.push([*first, pair[0], pair[1]]);
+        self.push_polygon_with_normals(indices, &[], face, line);
+    }
+
+    /// As [`Self::push_polygon`], with a normal for each corner; none at all where the file has none for this face.
+    pub(super) fn push_polygon_with_normals(
+        &mut self,
+        indices: &[u32],
+        normals: &[Vec3],
+        face: u32,
+        line: Option<u32>,
+    ) {
+        let corners: Option<Vec<Vec3>> =
+            indices.iter().map(|&v| self.positions.get(v as usize).copied()).collect();
+        // An index out of range is refused when all is read.
+        let fan = || (2..indices.len()).map(|k| [0, k - 1, k]).collect();
+        let triangles = match corners.map(|corners| polygon::cut(&corners)) {
+            Some(Ok(triangles)) => triangles,
+            Some(Err(polygon::Tangled)) => {
+                self.tangled.get_or_insert(self.triangles.len());
+                fan()
+            }
+            None => fan(),
+        };
+        if !normals.is_empty() {
+            self.normals.resize(self.triangles.len(), [NO_NORMAL; 3]);
+        }
+        for t in triangles {
+            self.triangles.push(t.map(|k| indices[k]));
             self.faces.push(face);
             self.lines.extend(line);
+            if !self.normals.is_empty() || !normals.is_empty() {
+                self.normals.push(t.map(|k| normals.get(k).copied().unwrap_or(NO_NORMAL)));
+            }
         }
     }
 }
 
-/// Reads a mesh from bytes. `file` names it in messages; `folder` is where a glTF file's
-/// buffers are looked for, `None`: only in the file itself.
+/// In the place of a normal that the file does not have.
+pub(super) const NO_NORMAL: Vec3 = Vec3::new(f64::NAN, f64::NAN, f64::NAN);
+
+/// Brings the bytes of a file that a mesh file names: a path relative to the mesh file's folder, never leading out of it.
+pub type Beside<'a> = dyn Fn(&Path) -> std::io::Result<Vec<u8>> + 'a;
+
+/// Reads a mesh from bytes. `file` names it in messages; `beside` brings the files that a glTF file keeps its buffers in, `None`: they are only
+/// looked for in the file itself.
 ///
 /// # Errors
 /// What does not follow the format, announces more than it holds, has an index out of range or
@@ -84,14 +122,14 @@ pub fn read(
     bytes: &[u8],
     format: MeshFormat,
     file: &str,
-    folder: Option<&Path>,
+    beside: Option<&Beside<'_>>,
 ) -> Result<RawMesh, MeshError> {
     let raw = match format {
         MeshFormat::Obj => obj::read(bytes, file),
         MeshFormat::Stl => stl::read(bytes, file),
         MeshFormat::Ply => ply::read(bytes, file),
         MeshFormat::Off => off::read(bytes, file),
-        MeshFormat::Gltf => gltf::read(bytes, file, folder),
+        MeshFormat::Gltf => gltf::read(bytes, file, beside),
     }?;
     if raw.triangles.is_empty() {
         return Err(MeshError::new(
@@ -130,6 +168,13 @@ pub fn read(
                 }
             }
         }
+    }
+    if let Some(triangle) = raw.tangled {
+        return Err(MeshError::new(
+            file,
+            format!("{} crosses itself, seen along its normal", raw.face_name(triangle)),
+            "cut it into triangles (in Blender: Face > Triangulate Faces) and export again",
+        ));
     }
     Ok(raw)
 }

@@ -1,7 +1,7 @@
 //! A pair of 16-bit PGM files for ffmpeg's remap filter.
 
 use super::exr_channels::check_size;
-use super::{FileError, LoadedMap, answer, pair, read_bytes, write_bytes_atomically};
+use super::{Fetch, FileError, LoadedMap, answer, pair, write_bytes_atomically};
 use crate::map::{Map, Status};
 use std::path::{Path, PathBuf};
 
@@ -32,16 +32,21 @@ fn nearest(uv: [f64; 2], axis: usize, size: usize) -> u16 {
     (place * size as f64).floor().clamp(0.0, (size - 1) as f64) as u16
 }
 
-pub(super) fn read(path: &Path, source: [usize; 2]) -> Result<LoadedMap, FileError> {
-    let files = pair::x_and_y(path);
-    let (width, height, columns) = read_pgm(&files[0])?;
-    let (other_width, other_height, rows) = read_pgm(&files[1])?;
+pub(super) fn read(
+    path: &Path,
+    fetch: &Fetch<'_>,
+    source: [usize; 2],
+) -> Result<LoadedMap, FileError> {
+    let files = pair::find(path, fetch)?;
+    let [(x, x_bytes), (y, y_bytes)] = &files;
+    let (width, height, columns) = decode_pgm(x, x_bytes)?;
+    let (other_width, other_height, rows) = decode_pgm(y, y_bytes)?;
     if (width, height) != (other_width, other_height) {
         let problem = format!(
             "{other_width} x {other_height} pixels, but {} has {width} x {height}",
-            files[0].display()
+            x.display()
         );
-        return Err(FileError::malformed(&files[1], "header", problem, "write both from one map"));
+        return Err(FileError::malformed(y, "header", problem, "write both from one map"));
     }
     let (uv, status) = columns
         .iter()
@@ -58,46 +63,64 @@ pub(super) fn read(path: &Path, source: [usize; 2]) -> Result<LoadedMap, FileErr
     Ok(LoadedMap::new(Map { width, height, uv, status, error_bound: f64::INFINITY }))
 }
 
-fn read_pgm(path: &Path) -> Result<(usize, usize, Vec<u16>), FileError> {
-    let bytes = read_bytes(path)?;
+/// A PGM file, as text (P2) or binary (P5).
+fn decode_pgm(path: &Path, bytes: &[u8]) -> Result<(usize, usize, Vec<u16>), FileError> {
     let bad = |place: &str, problem: String| {
-        Err(FileError::malformed(path, place, problem, "write it again as binary 16-bit PGM (P5)"))
+        Err(FileError::malformed(path, place, problem, "write it again as 16-bit PGM (P5 or P2)"))
     };
-    if !bytes.starts_with(b"P5") {
-        return bad("header", "it is not a binary PGM file".into());
-    }
+    let text = match bytes.get(..2) {
+        Some(b"P5") => false,
+        Some(b"P2") => true,
+        _ => return bad("header", "it is not a PGM file (P5 or P2)".into()),
+    };
     let mut at = 2;
     let mut fields = [0u64; 3];
     for field in &mut fields {
-        // White space and comments up to the next number.
-        loop {
-            match bytes.get(at) {
-                Some(b'#') => {
-                    at += bytes[at..].iter().take_while(|&&byte| byte != b'\n').count();
-                }
-                Some(byte) if byte.is_ascii_whitespace() => at += 1,
-                _ => break,
-            }
+        match next_number(bytes, &mut at) {
+            Some(number) => *field = number,
+            None => return bad("header", "width, height or depth is missing".into()),
         }
-        let digits = bytes[at..].iter().take_while(|byte| byte.is_ascii_digit()).count();
-        let text = std::str::from_utf8(&bytes[at..at + digits]).unwrap_or_default();
-        match text.parse() {
-            Ok(number) => *field = number,
-            Err(_) => return bad("header", "width, height or depth is missing".into()),
-        }
-        at += digits;
     }
     let [width, height, depth] = fields;
     check_size(path, width, height)?;
     if depth != 65535 {
         return bad("header", format!("its largest value is {depth}, not 65535"));
     }
+    let (count, size) = ((width * height) as usize, (width as usize, height as usize));
+    if text {
+        let mut samples = Vec::new();
+        while samples.len() < count {
+            match next_number(bytes, &mut at).and_then(|number| u16::try_from(number).ok()) {
+                Some(sample) => samples.push(sample),
+                None => {
+                    let there = samples.len();
+                    let problem = format!("{there} of {count} numbers from 0 to 65535 are there");
+                    return bad("data", problem);
+                }
+            }
+        }
+        return Ok((size.0, size.1, samples));
+    }
     // One white space, then the samples.
     let data = bytes.get(at + 1..).unwrap_or_default();
-    let needed = (width * height * 2) as usize;
-    if data.len() < needed {
-        return bad("data", format!("{} of {needed} bytes are there", data.len()));
+    if data.len() < 2 * count {
+        return bad("data", format!("{} of {} bytes are there", data.len(), 2 * count));
     }
-    let samples = data[..needed].as_chunks::<2>().0.iter().map(|&pair| u16::from_be_bytes(pair));
-    Ok((width as usize, height as usize, samples.collect()))
+    let samples = data[..2 * count].as_chunks::<2>().0.iter().map(|&pair| u16::from_be_bytes(pair));
+    Ok((size.0, size.1, samples.collect()))
+}
+
+/// The next number of a header, or of text samples, past white space and comments.
+fn next_number(bytes: &[u8], at: &mut usize) -> Option<u64> {
+    loop {
+        match bytes.get(*at) {
+            Some(b'#') => *at += bytes[*at..].iter().take_while(|&&byte| byte != b'\n').count(),
+            Some(byte) if byte.is_ascii_whitespace() => *at += 1,
+            _ => break,
+        }
+    }
+    let rest = bytes.get(*at..)?;
+    let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
+    *at += digits;
+    std::str::from_utf8(&rest[..digits]).ok()?.parse().ok()
 }

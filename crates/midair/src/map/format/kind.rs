@@ -33,7 +33,8 @@ pub enum Format {
     /// `opencv`: for cv2.remap. `NAME_x.npy` and `NAME_y.npy`, float32: the source's pixel coordinates, 0 at the
     /// centre of the top left pixel, y down; NaN where there is no answer. Beside them the mask `NAME_coverage.png`.
     OpenCv,
-    /// `opencv-yaml`: the same as matrices `map1`, `map2` and `coverage` of a FileStorage, with the source's size.
+    /// `opencv-yaml`: the same as matrices `map1`, `map2` and `coverage` of a FileStorage, with the source's size. XML and JSON are read as well, packed
+    /// or not, and matrices of other names and types (CV_32FC2, CV_16SC2).
     OpenCvYaml,
     /// `mpcdi`: MPCDI 2.0, 2D profile. A zip of `mpcdi.xml`, a PFM (x right and y down in \[0, 1\] of the
     /// source, and an unused third value of 1; x and y NaN where there is no answer) and an alpha PNG.
@@ -73,7 +74,11 @@ impl Format {
 
     /// The format that a file's name speaks of, where it does.
     pub fn of_path(path: &Path) -> Option<Self> {
-        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        match extension.as_str() {
+            // FileStorage packs what is called so.
+            "gz" => Self::of_path(Path::new(path.file_stem()?)).filter(|f| *f == Self::OpenCvYaml),
+            "xml" | "json" => Some(Self::OpenCvYaml),
             "exr" => Some(Self::Exr),
             "npy" => Some(Self::Npy),
             "png" => Some(Self::Png16),

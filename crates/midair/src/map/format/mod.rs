@@ -15,6 +15,7 @@ mod opencv;
 mod pair;
 mod png;
 mod stmap;
+mod storage;
 
 pub use atomic::{write_atomically, write_bytes_atomically};
 pub use error::FileError;
@@ -22,7 +23,7 @@ pub use exr_channels::{Channels, MAX_PIXELS, SampleKind, decode_channels, write_
 pub use kind::{Format, UnknownFormat};
 pub(crate) use png::{decode_samples, write_png};
 
-use super::{Gain, Map};
+use super::{Gain, Map, Status};
 use std::path::{Path, PathBuf};
 
 /// A map from a file.
@@ -132,48 +133,107 @@ pub fn write_map_and_gain(
     Ok(written)
 }
 
-/// Reads a map. Without a `format` the file's name decides: `.exr`, `.npy`, `.png`, `.pgm`, `.yml`
-/// or `.yaml`, `.mpcdi`. `source`, the width and height in pixels of what the map leads into, is
-/// needed by the formats of absolute pixels ([`Format::Ffmpeg`], [`Format::OpenCv`]).
+/// How to read a map file.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Reading<'a> {
+    /// Its format; without one the file's name decides: `.exr`, `.npy`, `.png`, `.pgm`, `.yml`, `.yaml`, `.xml` or `.json` (also with `.gz`), `.mpcdi`.
+    pub format: Option<Format>,
+    /// Width and height in pixels of what the map leads into, needed by the formats of absolute pixels ([`Format::Ffmpeg`], [`Format::OpenCv`],
+    /// [`Format::OpenCvYaml`]).
+    pub source: Option<[usize; 2]>,
+    /// Which region of an MPCDI file; needed where it has several.
+    pub region: Option<&'a str>,
+}
+
+/// Brings a file's bytes: a map's own, and those of the second file where a format has two.
+pub type Fetch<'a> = dyn Fn(&Path) -> std::io::Result<Vec<u8>> + 'a;
+
+fn fetched(path: &Path, fetch: &Fetch<'_>) -> Result<Vec<u8>, FileError> {
+    fetch(path).map_err(|error| FileError::io(path, "read", error))
+}
+
+/// Reads a map from a file: see [`decode_map`].
 ///
 /// # Errors
-/// [`FileError`] where a file is missing, cut short or not what it should be, or `source` is needed.
+/// As [`decode_map`].
 pub fn read_map(
     path: &Path,
     format: Option<Format>,
     source: Option<[usize; 2]>,
 ) -> Result<LoadedMap, FileError> {
-    let Some(format) = format.or_else(|| Format::of_path(path)) else {
+    decode_map(path, &|file| std::fs::read(file), &Reading { format, source, region: None })
+}
+
+/// Reads a map whose files `fetch` brings. Values outside of 0 to 1, as OpenCV's -1, lead into no picture: their pixels are outside.
+///
+/// # Errors
+/// [`FileError`] where a file is missing, cut short or not what it should be, or more has to be said of how to read it.
+pub fn decode_map(
+    path: &Path,
+    fetch: &Fetch<'_>,
+    reading: &Reading<'_>,
+) -> Result<LoadedMap, FileError> {
+    let Some(format) = reading.format.or_else(|| Format::of_path(path)) else {
         let problem = "its name does not tell which kind of map it is";
-        let remedy = "end it in .exr, .npy, .png, .pgm, .yml or .mpcdi, or name the format";
+        let remedy =
+            "end it in .exr, .npy, .png, .pgm, .yml, .xml, .json or .mpcdi, or name the format";
         return Err(FileError::unsupported(path, problem, remedy));
     };
-    let absolute = || match source {
+    let absolute = || match reading.source {
         Some(source) if !source.contains(&0) => Ok(source),
         _ => Err(FileError::SourceUnknown { path: path.to_owned() }),
     };
+    let bytes = || fetched(path, fetch);
     let mut loaded = match format {
-        Format::Exr | Format::ExrHalf => stmap::read(path, &read_bytes(path)?, stmap::Cover::A)?,
-        Format::Blender => stmap::read(path, &read_bytes(path)?, stmap::Cover::B)?,
-        Format::TouchDesigner => stmap::read(path, &read_bytes(path)?, stmap::Cover::A)?,
-        Format::Png16 | Format::TouchDesignerPng => png::read_map_png(path, &read_bytes(path)?)?,
-        Format::Npy => npy::read(path)?,
-        Format::Ffmpeg => ffmpeg::read(path, absolute()?)?,
-        Format::OpenCv => opencv::read_npy(path, absolute()?)?,
-        Format::OpenCvYaml => opencv::read_yaml(path, &read_bytes(path)?, source)?,
-        Format::Mpcdi => mpcdi::read(path, &read_bytes(path)?)?,
+        Format::Exr | Format::ExrHalf => stmap::read(path, &bytes()?, stmap::Cover::A)?,
+        Format::Blender => stmap::read(path, &bytes()?, stmap::Cover::B)?,
+        Format::TouchDesigner => stmap::read(path, &bytes()?, stmap::Cover::A)?,
+        Format::Png16 | Format::TouchDesignerPng => png::read_map_png(path, &bytes()?)?,
+        Format::Npy => npy::read(path, fetch)?,
+        Format::Ffmpeg => ffmpeg::read(path, fetch, absolute()?)?,
+        Format::OpenCv => opencv::read_npy(path, fetch, absolute()?)?,
+        Format::OpenCvYaml => opencv::read_storage(path, &bytes()?, reading.source)?,
+        Format::Mpcdi => mpcdi::read(path, &bytes()?, reading.region)?,
     };
     if matches!(format, Format::Ffmpeg | Format::OpenCv) {
         let file = pair::coverage(path);
-        if file.exists() {
-            png::read_coverage(&mut loaded.map, &file)?;
+        if let Ok(bytes) = fetch(&file) {
+            png::read_coverage(&mut loaded.map, &file, &bytes)?;
         }
     }
+    keep_within_source(path, &mut loaded.map)?;
     Ok(loaded)
 }
 
-fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
-    std::fs::read(path).map_err(|error| FileError::io(path, "read", error))
+/// What rounding may add to a place on the source's edge.
+const EDGE: f64 = 1e-6;
+
+/// Takes pixels whose answer lies off the source as outside. Where they are no answers but a ring around them, they stay.
+fn keep_within_source(path: &Path, map: &mut Map) -> Result<(), FileError> {
+    let within = |uv: [f64; 2]| uv.iter().all(|x| (-EDGE..=1.0 + EDGE).contains(x));
+    let mut kept = false;
+    let mut first = None;
+    for (uv, status) in map.uv.iter_mut().zip(&mut map.status) {
+        if !status.is_answered() {
+            continue;
+        }
+        if within(*uv) {
+            kept = true;
+        } else {
+            first.get_or_insert(*uv);
+            (*uv, *status) = ([f64::NAN; 2], Status::Outside);
+        }
+    }
+    // Places in pixels, taken for shares, would make a map of nothing.
+    match first.filter(|uv| !kept && uv.iter().any(|x| *x > 1.0)) {
+        Some([u, v]) => Err(FileError::malformed(
+            path,
+            "values",
+            format!("none lies within 0 to 1; the first are {u} and {v}"),
+            "give u and v as shares of the source; for places in its pixels say --from opencv",
+        )),
+        None => Ok(()),
+    }
 }
 
 /// uv where there are any: an answer, or what [`bleed`](super::bleed) put in its place.

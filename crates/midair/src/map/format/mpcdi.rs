@@ -71,7 +71,12 @@ fn describe(map: &Map, source: [usize; 2]) -> String {
     )
 }
 
-pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<LoadedMap, FileError> {
+/// Reads the warp of a region; without a name, of the only one there is.
+pub(super) fn read(
+    path: &Path,
+    bytes: &[u8],
+    region: Option<&str>,
+) -> Result<LoadedMap, FileError> {
     let remedy = "export the MPCDI file again";
     let bad = |place: &str, problem: String| FileError::malformed(path, place, problem, remedy);
     let mut archive =
@@ -81,16 +86,65 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<LoadedMap, FileError> {
         String::from_utf8(description).map_err(|error| bad(DESCRIPTION, error.to_string()))?;
     let document = roxmltree::Document::parse(&description)
         .map_err(|error| bad(DESCRIPTION, error.to_string()))?;
+    let root = document.root_element();
+    match root.attribute("profile") {
+        Some(profile) if profile.eq_ignore_ascii_case("2d") => {}
+        other => {
+            let problem = format!(
+                "it is of the profile `{}`, whose warps are not places in a picture",
+                other.unwrap_or("(none)")
+            );
+            return Err(FileError::unsupported(
+                path,
+                problem,
+                "export it in the 2D profile (profile=\"2d\")",
+            ));
+        }
+    }
+    let elements =
+        |tag: &'static str| document.descendants().filter(move |node| node.has_tag_name(tag));
+    let regions: Vec<&str> = elements("region").filter_map(|node| node.attribute("id")).collect();
+    let id = match (region, &regions[..]) {
+        (Some(wanted), _) if regions.contains(&wanted) => wanted,
+        (None, [only]) => only,
+        (None, []) => return Err(bad(DESCRIPTION, "it names no region".into())),
+        (wanted, _) => {
+            let problem = match wanted {
+                Some(wanted) => format!("it has no region {wanted}, but {}", regions.join(", ")),
+                None => format!(
+                    "it has {} regions, one for each projector: {}",
+                    regions.len(),
+                    regions.join(", ")
+                ),
+            };
+            return Err(FileError::unsupported(path, problem, "say which one by --region"));
+        }
+    };
+    let about = elements("region").find(|node| node.attribute("id") == Some(id));
+    let set = elements("fileset").find(|node| node.attribute("region") == Some(id));
     let named = |tag: &str| {
-        let element = document.descendants().find(|node| node.has_tag_name(tag))?;
+        let element = set?.descendants().find(|node| node.has_tag_name(tag))?;
         let file = element.children().find(|node| node.has_tag_name("path"))?;
         file.text().map(|text| text.trim().to_owned())
     };
     let Some(warp_name) = named("geometryWarpFile") else {
-        return Err(bad(DESCRIPTION, "it names no geometryWarpFile".into()));
+        return Err(bad(DESCRIPTION, format!("it names no geometryWarpFile for the region {id}")));
     };
     let warp = member(&mut archive, path, &warp_name, MAX_PIXELS * 12 + 256)?;
     let (width, height, values) = parse_pfm(path, &warp_name, &warp)?;
+    let told = |key: &str| about?.attribute(key)?.trim().parse::<usize>().ok();
+    if let (Some(across), Some(down)) = (told("Xresolution"), told("Yresolution"))
+        && (across, down) != (width, height)
+    {
+        let problem = format!(
+            "{warp_name} has {width} x {height} points for a region of {across} x {down} pixels: a coarse grid, which is not read"
+        );
+        return Err(FileError::unsupported(
+            path,
+            problem,
+            "export a warp with a point for each pixel",
+        ));
+    }
     let cover = match named("alphaMap") {
         None => None,
         Some(name) => {
@@ -124,7 +178,15 @@ fn member(
 ) -> Result<Vec<u8>, FileError> {
     let bad =
         |problem: String| FileError::malformed(path, name, problem, "export the MPCDI file again");
-    let file = archive.by_name(name).map_err(|error| bad(error.to_string()))?;
+    // Names are told apart by case in some archives and not on some systems, which also write other slashes.
+    let plain = |name: &str| name.replace('\\', "/").trim_start_matches("./").to_lowercase();
+    let known = {
+        let mut names = archive.file_names().filter_map(Result::ok);
+        names.find(|known| plain(known) == plain(name)).map(|known| known.into_owned())
+    };
+    let file = archive
+        .by_name(known.as_deref().unwrap_or(name))
+        .map_err(|error| bad(error.to_string()))?;
     let mut bytes = Vec::new();
     file.take(limit + 1).read_to_end(&mut bytes).map_err(|error| bad(error.to_string()))?;
     if bytes.len() as u64 > limit {
@@ -164,11 +226,18 @@ fn parse_pfm(
         return Err(bad(format!("it begins with {}, not with PF", fields[0])));
     }
     check_size(path, width, height)?;
-    let data = bytes.get(at + 1..).unwrap_or_default();
     let needed = (width * height * 12) as usize;
-    if data.len() < needed {
-        return Err(bad(format!("{} of {needed} bytes are there", data.len())));
-    }
+    // One white space ends the header: a line feed, or a carriage return with it as some systems write them.
+    let feed = 1 + usize::from(bytes[at..].starts_with(b"\r\n"));
+    let starts = [at + 1, at + feed];
+    let fits = |&&start: &&usize| bytes.len() == start + needed;
+    let Some(&start) = starts.iter().find(fits) else {
+        let there = bytes.len().saturating_sub(at + feed);
+        return Err(bad(format!(
+            "{there} bytes are there, not the {needed} that its header speaks of"
+        )));
+    };
+    let data = &bytes[start..];
     let convert = if scale < 0.0 { f32::from_le_bytes } else { f32::from_be_bytes };
     let floats: Vec<f32> =
         data[..needed].as_chunks::<4>().0.iter().map(|&bytes| convert(bytes)).collect();

@@ -1,8 +1,8 @@
-//! Maps for cv2.remap: a pair of arrays, or a FileStorage in YAML.
+//! Maps for cv2.remap: a pair of arrays, or a FileStorage.
 
-use super::exr_channels::check_size;
 use super::png::{coverage, uncover};
-use super::{FileError, LoadedMap, answer, npy, pair, write_bytes_atomically};
+use super::storage::Matrix;
+use super::{Fetch, FileError, LoadedMap, answer, npy, pair, storage, write_bytes_atomically};
 use crate::map::{Map, Status};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -72,105 +72,156 @@ fn gap(index: usize, in_line: usize) -> &'static str {
     }
 }
 
-pub(super) fn read_npy(path: &Path, source: [usize; 2]) -> Result<LoadedMap, FileError> {
-    let files = pair::x_and_y(path);
-    let (shape, x) = npy::read_array(&files[0], 2)?;
-    let (other, y) = npy::read_array(&files[1], 2)?;
-    if shape != other {
-        let problem = format!("{other:?} pixels, but {} has {shape:?}", files[0].display());
-        return Err(FileError::malformed(&files[1], "header", problem, "save both from one map"));
-    }
-    Ok(from_coordinates(shape[1], shape[0], &x, &y, source))
-}
+/// cv2.convertMaps keeps the fractions of fixed coordinates in 32 steps each.
+const STEPS: i64 = 32;
 
-fn from_coordinates(
-    width: usize,
-    height: usize,
-    x: &[f64],
-    y: &[f64],
+pub(super) fn read_npy(
+    path: &Path,
+    fetch: &Fetch<'_>,
     source: [usize; 2],
-) -> LoadedMap {
-    let (uv, status) = x
-        .iter()
-        .zip(y)
-        .map(|(x, y)| {
-            let uv = [(x + 0.5) / source[0] as f64, 1.0 - (y + 0.5) / source[1] as f64];
-            // What lies off the source is the border's, whatever the number.
-            let margin = [0.5 / source[0] as f64, 0.5 / source[1] as f64];
-            let on = (0..2).all(|axis| (-margin[axis]..=1.0 + margin[axis]).contains(&uv[axis]));
-            if on { (uv, Status::Ok) } else { ([f64::NAN; 2], Status::Outside) }
+) -> Result<LoadedMap, FileError> {
+    let arrays = match fetch(path) {
+        // One array of pairs, as numpy.dstack or cv2.convertMaps makes it.
+        Ok(bytes) if npy::axes(path, &bytes)? == 3 => {
+            let pairs = npy::decode_array(path, &bytes, 3)?;
+            // The fractions are in an array beside it.
+            let beside = pairs.is_fixed().then(|| pair::find(path, fetch).ok()).flatten();
+            let fractions = match beside {
+                Some([_, (second, bytes)]) if second != path => {
+                    Some(npy::decode_array(&second, &bytes, 2)?)
+                }
+                _ => None,
+            };
+            vec![Some(pairs), fractions]
+        }
+        _ => {
+            let found = pair::find(path, fetch)?;
+            let mut arrays = Vec::new();
+            for (k, (file, bytes)) in found.iter().enumerate() {
+                // The first may hold whole numbers for both.
+                let axes = if k == 0 { npy::axes(file, bytes)?.clamp(2, 3) } else { 2 };
+                arrays.push(Some(npy::decode_array(file, bytes, axes)?));
+            }
+            arrays
+        }
+    };
+    let matrices: Vec<Matrix> = arrays
+        .into_iter()
+        .flatten()
+        .zip(["map1", "map2"])
+        .map(|(array, name)| Matrix {
+            name: name.to_owned(),
+            width: array.shape[1],
+            height: array.shape[0],
+            channels: array.shape.get(2).copied().unwrap_or(1),
+            kind: if array.is_fixed() { 's' } else { 'f' },
+            numbers: array.numbers,
         })
-        .unzip();
-    LoadedMap::new(Map { width, height, uv, status, error_bound: f64::INFINITY })
+        .collect();
+    from_matrices(path, &matrices, source)
 }
 
-pub(super) fn read_yaml(
+pub(super) fn read_storage(
     path: &Path,
     bytes: &[u8],
     source: Option<[usize; 2]>,
 ) -> Result<LoadedMap, FileError> {
-    let text = std::str::from_utf8(bytes).map_err(|error| {
-        FileError::malformed(path, "text", error, "write it again with cv2.FileStorage")
-    })?;
-    let own = || Some([number(text, "source_width")?, number(text, "source_height")?]);
+    let storage = storage::parse(path, bytes)?;
+    let own = || Some([storage.number("source_width")?, storage.number("source_height")?]);
     let Some(source) = own().or(source).filter(|source| !source.contains(&0)) else {
         return Err(FileError::SourceUnknown { path: path.to_owned() });
     };
-    let (width, height, x) = matrix(path, text, "map1")?;
-    let (other_width, other_height, y) = matrix(path, text, "map2")?;
-    if (width, height) != (other_width, other_height) {
-        let problem = format!("{other_width} x {other_height}, but map1 is {width} x {height}");
-        return Err(FileError::malformed(path, "map2", problem, "write both from one map"));
-    }
-    let mut loaded = from_coordinates(width, height, &x, &y, source);
-    // Files of others have none.
-    if text.contains("\ncoverage:") {
-        let (columns, rows, cover) = matrix(path, text, "coverage")?;
-        if (columns, rows) != (width, height) {
-            let problem = format!("{columns} x {rows}, but map1 is {width} x {height}");
-            let remedy = "write all from one map, or leave the coverage out";
-            return Err(FileError::malformed(path, "coverage", problem, remedy));
+    from_matrices(path, &chosen(path, storage.matrices)?, source)
+}
+
+/// Which of a file's matrices are the map: the only one of two channels (and what fractions belong to it), or two of one channel.
+fn chosen(path: &Path, matrices: Vec<Matrix>) -> Result<Vec<Matrix>, FileError> {
+    // `map_x`, `mapX`, `xmap` and the like; OpenCV's documents have `map1` and `map2`.
+    const NAMES: [[&str; 2]; 6] = [
+        ["map1", "map2"],
+        ["mapx", "mapy"],
+        ["xmap", "ymap"],
+        ["x", "y"],
+        ["mapu", "mapv"],
+        ["map0", "map1"],
+    ];
+    let plain = |name: &str| name.to_lowercase().replace(['_', '-', '.'], "");
+    let named = |name: &str| matrices.iter().find(|matrix| plain(&matrix.name) == name);
+    let pairs: Vec<&Matrix> = matrices.iter().filter(|matrix| matrix.channels == 2).collect();
+    let by_name = NAMES.iter().find_map(|[x, y]| Some(vec![named(x)?, named(y)?]));
+    let picked = match (&pairs[..], by_name) {
+        (_, Some(both)) => both,
+        ([only], None) if matrices.len() == 1 || only.kind != 's' => vec![*only],
+        // Fixed coordinates have their fractions in the other matrix.
+        ([only], None) => {
+            let fits =
+                |m: &&Matrix| m.channels == 1 && (m.width, m.height) == (only.width, only.height);
+            [*only].into_iter().chain(matrices.iter().find(fits)).collect()
         }
-        uncover(&mut loaded.map, cover.iter().map(|&cover| cover > 0.0));
-    }
-    Ok(loaded)
-}
-
-/// The integer after `key:`.
-fn number(text: &str, key: &str) -> Option<usize> {
-    let after = text.split_once(&format!("{key}:"))?.1.trim_start();
-    after.split_whitespace().next()?.parse().ok()
-}
-
-/// The matrix of floats called `name`: columns, rows, numbers.
-fn matrix(path: &Path, text: &str, name: &str) -> Result<(usize, usize, Vec<f64>), FileError> {
-    let bad = |problem: String| {
-        let remedy = "write map1 and map2 as float32 matrices with cv2.FileStorage";
-        FileError::malformed(path, name, problem, remedy)
+        _ => {
+            let found: Vec<String> = matrices
+                .iter()
+                .map(|m| {
+                    format!("{} ({} x {}, {} channels)", m.name, m.width, m.height, m.channels)
+                })
+                .collect();
+            let found = if found.is_empty() { "none".to_owned() } else { found.join(", ") };
+            return Err(FileError::malformed(
+                path,
+                "matrices",
+                format!("which of them are the map is not clear: {found}"),
+                "write map1 and map2, or mapx and mapy, as float32 matrices with cv2.FileStorage, or one of two channels",
+            ));
+        }
     };
-    let missing = |what: &str| bad(format!("{what} is missing"));
-    let body = text.split_once(&format!("{name}:")).ok_or_else(|| missing("the matrix"))?.1;
-    let rows = number(body, "rows").ok_or_else(|| missing("rows"))?;
-    let columns = number(body, "cols").ok_or_else(|| missing("cols"))?;
-    check_size(path, columns as u64, rows as u64)?;
-    let data = body.split_once("data:").ok_or_else(|| missing("data"))?.1;
-    let data = data.split_once('[').and_then(|(_, rest)| rest.split_once(']'));
-    let data = data.ok_or_else(|| bad("its data do not end".into()))?.0;
-    let mut numbers = Vec::new();
-    for item in data.split(',').map(str::trim) {
-        let value = match item {
-            ".Nan" | ".NaN" | ".nan" => f64::NAN,
-            ".Inf" | ".inf" => f64::INFINITY,
-            "-.Inf" | "-.inf" => f64::NEG_INFINITY,
-            _ => item.parse().map_err(|_| {
-                bad(format!("`{}` is no number", item.chars().take(20).collect::<String>()))
-            })?,
-        };
-        numbers.push(value);
-    }
-    if numbers.len() != rows * columns {
-        let found = numbers.len();
-        return Err(bad(format!("{rows} x {columns} numbers are announced, {found} are there")));
-    }
-    Ok((columns, rows, numbers))
+    Ok(picked.into_iter().cloned().collect())
+}
+
+/// A map of one or two matrices, as cv2.remap takes them.
+fn from_matrices(
+    path: &Path,
+    matrices: &[Matrix],
+    source: [usize; 2],
+) -> Result<LoadedMap, FileError> {
+    let fits = |a: &Matrix, b: &Matrix| {
+        if (a.width, a.height) == (b.width, b.height) {
+            return Ok(());
+        }
+        let problem =
+            format!("{} x {}, but {} is {} x {}", b.width, b.height, a.name, a.width, a.height);
+        Err(FileError::malformed(path, b.name.clone(), problem, "write both from one map"))
+    };
+    let wrong = |m: &Matrix| {
+        let problem = format!("it has {} channels of type `{}`", m.channels, m.kind);
+        let remedy = "write x and y as float32 (CV_32FC1 or CV_32FC2), or as cv2.convertMaps makes them (CV_16SC2 and CV_16UC1)";
+        FileError::malformed(path, m.name.clone(), problem, remedy)
+    };
+    let pixels: Vec<[f64; 2]> = match matrices {
+        [both] if both.channels == 2 => both.numbers.as_chunks::<2>().0.to_vec(),
+        [whole, rest] if whole.channels == 2 && rest.channels == 1 => {
+            fits(whole, rest)?;
+            let parts = rest.numbers.iter().map(|&code| code as i64);
+            let parts = parts.map(|code| [code % STEPS, code / STEPS % STEPS]);
+            let whole = whole.numbers.as_chunks::<2>().0.iter();
+            let sum = |whole: f64, part: i64| whole + part as f64 / STEPS as f64;
+            whole.zip(parts).map(|(w, p)| [sum(w[0], p[0]), sum(w[1], p[1])]).collect()
+        }
+        [x, y] if x.channels == 1 && y.channels == 1 => {
+            fits(x, y)?;
+            x.numbers.iter().zip(&y.numbers).map(|(&x, &y)| [x, y]).collect()
+        }
+        [first, ..] => return Err(wrong(first)),
+        [] => {
+            return Err(FileError::unsupported(path, "it holds no matrix", "write map1 and map2"));
+        }
+    };
+    let uv: Vec<[f64; 2]> = pixels
+        .into_iter()
+        .map(|[x, y]| [(x + 0.5) / source[0] as f64, 1.0 - (y + 0.5) / source[1] as f64])
+        .map(|uv| answer(uv).unwrap_or([f64::NAN; 2]))
+        .collect();
+    let known = |uv: &[f64; 2]| if uv[0].is_nan() { Status::Outside } else { Status::Ok };
+    let (width, height) = (matrices[0].width, matrices[0].height);
+    let status = uv.iter().map(known).collect();
+    Ok(LoadedMap::new(Map { width, height, status, uv, error_bound: f64::INFINITY }))
 }

@@ -1,7 +1,7 @@
 //! PNG (and JPEG) files as samples, and maps in 16-bit PNG.
 
 use super::exr_channels::{MAX_PIXELS, check_size};
-use super::{FileError, LoadedMap, answer, read_bytes, write_atomically};
+use super::{FileError, LoadedMap, answer, write_atomically};
 use crate::map::{Map, Status};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::metadata::Orientation;
@@ -118,8 +118,8 @@ pub(super) fn write_coverage(map: &Map, path: &Path) -> Result<(), FileError> {
 }
 
 /// Takes the answers of pixels that a mask leaves out for a continuation.
-pub(super) fn read_coverage(map: &mut Map, path: &Path) -> Result<(), FileError> {
-    let (mask, _) = decode_samples(path, &read_bytes(path)?, ImageFormat::Png)?;
+pub(super) fn read_coverage(map: &mut Map, path: &Path, bytes: &[u8]) -> Result<(), FileError> {
+    let (mask, _) = decode_samples(path, bytes, ImageFormat::Png)?;
     let size = [mask.width() as usize, mask.height() as usize];
     if size != [map.width, map.height] {
         let problem = format!(
@@ -152,6 +152,11 @@ pub(super) fn read_map_png(path: &Path, bytes: &[u8]) -> Result<LoadedMap, FileE
     if image.color().bytes_per_pixel() / image.color().channel_count() < 2 {
         let problem = "a map of 8 bits tells apart only 256 x 256 image points";
         return Err(FileError::malformed(path, "header", problem, "export it with 16 bits"));
+    }
+    if !image.color().has_color() {
+        let problem = "a grey picture has no room for u and v";
+        let remedy = "give a map with u in red and v in green";
+        return Err(FileError::malformed(path, "header", problem, remedy));
     }
     let image = image.into_rgba16();
     let (width, height) = (image.width() as usize, image.height() as usize);

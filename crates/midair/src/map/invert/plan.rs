@@ -96,7 +96,7 @@ impl Planner<'_> {
     /// Whether F is creased too densely for patches: seen through a smooth mesh, if patches fail on most of the cells
     /// that are tried.
     fn is_creased(&self) -> bool {
-        let meshes = self.setup.elements.iter().any(|e| e.shape.smooth_mesh().is_some());
+        let meshes = self.setup.elements.iter().any(|e| e.shape.bent_mesh().is_some());
         if !meshes {
             return false;
         }

@@ -130,7 +130,12 @@ fn errors_name_the_file_the_line_and_the_remedy() {
             "shorter one first",
         ),
         ("DATA:\n  - type: tabulated n\n    data: |\n      0.4 1.5\n      0.5\n", 5, "1 numbers"),
-        ("DATA:\n  - type: tabulated n\n    data: |\n      0.4 1.5\n\n      0.4 1.5\n", 6, "sort"),
+        (
+            "DATA:\n  - type: tabulated n\n    data: |\n      0.4 1.5\n\n      0 1.5\n",
+            6,
+            "more than 0",
+        ),
+        ("DATA:\n  - type: tabulated nk\n    data: |\n      0.4 1.5 -0.1\n", 4, "negative"),
         ("DATA:\n  - type: tabulated n\n    data: |\n      0.4 -1.5\n", 4, "negative"),
         ("DATA:\n  - type: tabulated n\n    data: \"\"\n", 3, "empty"),
         ("DATA:\n  - type: tabulated k\n    data: |\n      0.4 0\n", 2, "nothing of an index"),
@@ -147,6 +152,22 @@ fn errors_name_the_file_the_line_and_the_remedy() {
     }
     let missing = GlassFile::read(Path::new("no-such.yml")).unwrap_err().to_string();
     assert!(missing.contains("no-such.yml"), "{missing}");
+}
+
+#[test]
+fn tables_out_of_order_and_with_wavelengths_twice_are_read() {
+    let table = |lines: &str| {
+        parsed(&format!("DATA:\n  - type: tabulated nk\n    data: |\n{lines}")).unwrap()
+    };
+    let good = table("      0.4 1.5 0\n      0.6 1.4 2e-7\n      0.8 1.3 4e-7\n");
+    // The same, with the middle one last, and one of them again with other values.
+    let mixed = table("      0.4 1.5 0\n      0.8 1.3 4e-7\n      0.4 1.6 1\n      0.6 1.4 2e-7\n");
+    assert_eq!(good, mixed);
+    assert_eq!(good.range(), [0.4, 0.8]);
+    // Halfway between 1.5 and 1.4.
+    assert!((mixed.index(0.5) - 1.45).abs() < 1e-12);
+    let noisy = table("      0.4 1.5 -1.6e-9\n      0.8 1.5 -1e-7\n");
+    assert_eq!(noisy.absorption(0.6), 0.0);
 }
 
 proptest! {

@@ -1,0 +1,519 @@
+//! Files as programs write them: each says the same body as a plain one.
+
+use super::*;
+
+fn raw(bytes: &[u8], format: MeshFormat) -> RawMesh {
+    read(bytes, format, "test", None).unwrap_or_else(|e| panic!("{e} ({})", e.help))
+}
+
+/// The volume of a closed mesh file, with its number of triangles.
+fn volume(bytes: &[u8], format: MeshFormat) -> (f64, usize) {
+    let (mesh, mended) = closed(raw(bytes, format)).unwrap_or_else(|e| panic!("{e}"));
+    assert!(mended.flipped_faces.is_empty(), "{:?}", mended.notes());
+    (mesh.signed_volume(), mesh.triangles.len())
+}
+
+/// An L-shaped prism of volume 3 whose ends are one polygon each, the second corner of which is not convex.
+const PRISM: &str = "v 1 1 0\nv 1 2 0\nv 0 2 0\nv 0 0 0\nv 2 0 0\nv 2 1 0\n\
+    v 1 1 1\nv 1 2 1\nv 0 2 1\nv 0 0 1\nv 2 0 1\nv 2 1 1\n\
+    f 6 5 4 3 2 1\nf 7 8 9 10 11 12\n\
+    f 1 2 8 7\nf 2 3 9 8\nf 3 4 10 9\nf 4 5 11 10\nf 5 6 12 11\nf 6 1 7 12\n";
+
+#[test]
+fn concave_faces_are_filled_and_no_more() {
+    assert_eq!(volume(PRISM.as_bytes(), MeshFormat::Obj), (3.0, 20));
+    let (mesh, _) = closed(raw(PRISM.as_bytes(), MeshFormat::Obj)).unwrap();
+    assert!(!mesh.contains(Vec3::new(1.6, 1.6, 0.5)) && mesh.contains(Vec3::new(0.5, 1.6, 0.5)));
+}
+
+#[test]
+fn corners_on_an_edge_stay_in_the_surface() {
+    // The lower edge has a corner in its middle, which the face beside it has as well.
+    let more = PRISM
+        .replace("f 6 5 4 3 2 1\n", "v 1 0 0\nf 6 5 13 4 3 2 1\n")
+        .replace("f 4 5 11 10\n", "f 4 13 5 11 10\n");
+    let (volume, triangles) = volume(more.as_bytes(), MeshFormat::Obj);
+    assert_eq!((volume, triangles), (3.0, 22));
+}
+
+#[test]
+fn faces_that_cross_themselves_are_named() {
+    let text = "v 0 0 0\nv 2 2 0\nv 2 0 0\nv 0 1 0\nf 1 2 3 4\n";
+    let error = read(text.as_bytes(), MeshFormat::Obj, "bow", None).unwrap_err();
+    assert!(error.message.contains("face 1 (line 5) crosses itself"), "{error}");
+}
+
+#[test]
+fn obj_is_read_as_exporters_write_it() {
+    let plain = raw(obj_text().as_bytes(), MeshFormat::Obj);
+    let text = obj_text();
+    let first = text.find("f ").unwrap();
+    let wide = |unit: fn(u16) -> [u8; 2]| -> Vec<u8> {
+        format!("\u{feff}{text}").encode_utf16().flat_map(unit).collect()
+    };
+    for (what, bytes) in [
+        ("a mark", format!("\u{feff}{text}").into_bytes()),
+        ("UTF-16, little end first", wide(u16::to_le_bytes)),
+        ("UTF-16, big end first", wide(u16::to_be_bytes)),
+        ("Windows", text.replace('\n', "\r\n").into_bytes()),
+        ("old Macintosh", text.replace('\n', "\r").into_bytes()),
+        (
+            "lines that go on",
+            text.replace("f 5/1/1 6//1", "f 5/1/1 \\\n  6//1 \\\r\n").into_bytes(),
+        ),
+        ("a comment that does not", text.replace("o cube", "# C:\\models\\").into_bytes()),
+        ("a name that does not", text.replace("o cube", "usemtl C:\\models\\").into_bytes()),
+        ("comments behind", text.replace("\nv ", " # corner\nv ").into_bytes()),
+        ("decimal commas", text.replace("0.5", "0,5").into_bytes()),
+        ("exponents", text.replace("0.5", "5.0E-01").into_bytes()),
+        ("colours behind", text.replace(" 0.5\n", " 0.5 0.1 0.2 0.3\n").into_bytes()),
+        ("the old word for faces", text.replace("\nf ", "\nfo ").into_bytes()),
+        ("faces first", format!("{}{}", &text[first..], &text[..first]).into_bytes()),
+        ("Latin-1", [&b"o W\xfcrfel\n"[..], text.as_bytes()].concat()),
+    ] {
+        let found = raw(&bytes, MeshFormat::Obj);
+        assert_eq!(found.positions, plain.positions, "{what}");
+        assert_eq!(found.triangles, plain.triangles, "{what}");
+    }
+}
+
+#[test]
+fn obj_gives_normals_by_corner() {
+    let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nvn nan 0 1\nvn 0 1 1\nf 1//1 2/7/-1 3\n";
+    let raw = raw(text.as_bytes(), MeshFormat::Obj);
+    let [a, b, c] = raw.normals[0];
+    assert_eq!([a, b], [Vec3::new(0.0, 0.0, 1.0), Vec3::new(0.0, 1.0, 1.0)]);
+    assert!(!c.is_finite());
+}
+
+/// As [`stl_text`] with other normals.
+fn stl_with(normal: &str) -> String {
+    stl_text().replace("normal 0 0 0", &format!("normal {normal}"))
+}
+
+#[test]
+fn stl_is_read_as_exporters_write_it() {
+    let plain = raw(stl_text().as_bytes(), MeshFormat::Stl);
+    let mut long = stl_bytes(b"solid with a tail");
+    long.extend(b"tail of another program");
+    let mut unsaid = stl_bytes(b"streamed");
+    unsaid[80..84].fill(0xff);
+    for (what, bytes) in [
+        ("no numbers for normals", stl_with("nan NaN -nan(ind)").into_bytes()),
+        ("Microsoft's", stl_with("1.#QNAN -1.#IND 1.#INF").into_bytes()),
+        ("no normals", stl_text().replace(" normal 0 0 0", "").into_bytes()),
+        ("capitals", stl_text().to_uppercase().into_bytes()),
+        ("a mark", format!("\u{feff}{}", stl_text()).into_bytes()),
+        ("no name", stl_text().replace(" cube", "").into_bytes()),
+        (
+            "a name of STL's words",
+            stl_text().replace("solid cube", "solid facet vertex").into_bytes(),
+        ),
+        (
+            "one line",
+            stl_text().replace('\n', " ").replace("solid cube ", "solid cube\n").into_bytes(),
+        ),
+        ("a comment first", format!("; made by a program\n{}", stl_text()).into_bytes()),
+        ("bytes behind", long),
+        ("a number that was never filled in", unsaid),
+    ] {
+        let found = raw(&bytes, MeshFormat::Stl);
+        assert_eq!(found.positions, plain.positions, "{what}");
+        assert_eq!(found.triangles, plain.triangles, "{what}");
+    }
+}
+
+#[test]
+fn all_solids_of_an_stl_text_count() {
+    let beside =
+        stl_text().replace("vertex 0.5", "vertex 3.5").replace("vertex -0.5", "vertex 2.5");
+    let text = stl_text() + &beside;
+    assert_eq!(volume(text.as_bytes(), MeshFormat::Stl), (2.0, 24));
+    let cut = &text[..text.rfind("endfacet").unwrap()];
+    assert!(read(cut.as_bytes(), MeshFormat::Stl, "cut", None).is_err());
+    let unended = &text[..text.rfind("endsolid").unwrap()];
+    let error = read(unended.as_bytes(), MeshFormat::Stl, "cut", None).unwrap_err();
+    assert!(error.message.contains("face 24"), "{error}");
+}
+
+#[test]
+fn relatives_of_off_are_read() {
+    let plain = raw(off_text().as_bytes(), MeshFormat::Off);
+    // Each vertex line with more numbers on it, at the end or behind the coordinates.
+    let with = |header: &str, extra: &str| {
+        let mut text = off_text().replacen("OFF", header, 1);
+        for p in CUBE {
+            let line = format!("{} {} {}\n", p[0], p[1], p[2]);
+            text = text.replacen(&line, &format!("{} {extra}\n", line.trim_end()), 1);
+        }
+        text
+    };
+    for (what, text) in [
+        ("colours", with("COFF", "255 0 0 255")),
+        ("colours as shares", with("COFF", "0.1 0.2 0.3 1.0")),
+        ("normals", with("NOFF", "0 0 1")),
+        ("both", with("CNOFF", "0 0 1 255 0 0 255")),
+        ("the other way", with("NCOFF", "0 0 1 255 0 0 255")),
+        ("textures", with("STOFF", "0.5 0.5")),
+        ("all", with("STCNOFF", "0 0 1 1 0 0 1 0.5 0.5")),
+        ("homogeneous", with("4OFF", "1.0")),
+        ("no word", off_text().replacen("OFF\n", "", 1)),
+        ("comments", off_text().replace('\n', " # line\n\n# more\n")),
+        ("colours of faces", off_text().replace("0 3 2 1", "0 3 2 1 200 100 50")),
+        ("Windows", off_text().replace('\n', "\r\n")),
+        ("counts beside the word", off_text().replacen("OFF\n", "OFF ", 1)),
+        ("broken lines", off_text().replace(" 0.5 0.5\n", "\n0.5\n0.5\n")),
+        ("a mark", format!("\u{feff}{}", off_text())),
+    ] {
+        let found = raw(text.as_bytes(), MeshFormat::Off);
+        assert_eq!(found.positions, plain.positions, "{what}");
+        assert_eq!(found.triangles, plain.triangles, "{what}");
+        let normals =
+            what.contains("normals") || what == "both" || what == "all" || what == "the other way";
+        assert_eq!(found.normals.len(), if normals { 12 } else { 0 }, "{what}");
+        assert!(found.normals.iter().flatten().all(|n| *n == Vec3::new(0.0, 0.0, 1.0)));
+    }
+    for (text, word) in [
+        (off_text().replacen("OFF", "OFF BINARY", 1), "binary form of OFF"),
+        (off_text().replacen("OFF", "nOFF\n3", 1), "nOFF"),
+        (off_text().replacen("OFF", "XOFF", 1), "COFF"),
+    ] {
+        let error = read(text.as_bytes(), MeshFormat::Off, "other", None).unwrap_err();
+        assert!(error.message.contains(word), "{error}");
+    }
+}
+
+/// The corners of each triangle in space, the lowest first: how triangles are numbered does not matter.
+fn soup(raw: &RawMesh) -> Vec<[[i64; 3]; 3]> {
+    let key = |v: u32| raw.positions[v as usize].to_array().map(|x| (x * 1e6).round() as i64);
+    let mut soup: Vec<_> = raw
+        .triangles
+        .iter()
+        .map(|t| {
+            let mut t = t.map(key);
+            let lowest = (0..3).min_by_key(|&k| t[k]).unwrap();
+            t.rotate_left(lowest);
+            t
+        })
+        .collect();
+    soup.sort_unstable();
+    soup
+}
+
+/// The cube's twelve triangles as strips: around four sides, and two lids.
+const STRIPS: [&[i32]; 3] = [&[4, 0, 5, 1, 6, 2, 7, 3, 4, 0], &[0, 3, 1, 2], &[4, 5, 7, 6]];
+
+/// The same triangles one by one, by the definition of a strip.
+fn from_strips() -> Vec<[u32; 3]> {
+    let mut found = Vec::new();
+    for strip in STRIPS {
+        for k in 0..strip.len() - 2 {
+            let [a, b, c] = [strip[k], strip[k + 1], strip[k + 2]].map(|i| i as u32);
+            found.push(if k % 2 == 0 { [a, b, c] } else { [b, a, c] });
+        }
+    }
+    found
+}
+
+#[test]
+fn ply_strips_are_the_triangles_that_they_mean() {
+    let mut text = ply_text();
+    text.truncate(text.find("4 0 3 2 1").unwrap());
+    let strips: Vec<String> =
+        STRIPS.iter().map(|s| s.iter().map(i32::to_string).collect::<Vec<_>>().join(" ")).collect();
+    let list = strips.join(" -1 ");
+    let count = list.split(' ').count();
+    let text = text.replace("element face 6", "element tristrips 1") + &format!("{count} {list}\n");
+    let found = raw(text.as_bytes(), MeshFormat::Ply);
+    assert_eq!(found.triangles, from_strips());
+    assert_eq!(volume(text.as_bytes(), MeshFormat::Ply), (1.0, 12));
+}
+
+#[test]
+fn ply_text_may_be_laid_out_freely_but_not_be_short() {
+    let plain = raw(ply_text().as_bytes(), MeshFormat::Ply);
+    let (header, body) =
+        ply_text().split_once("end_header\n").map(|(h, b)| (h.to_owned(), b.to_owned())).unwrap();
+    let words: Vec<&str> = body.split_whitespace().collect();
+    let one_line = format!("{header}end_header\n{}\n", words.join(" "));
+    let each_its_own = format!("{header}end_header\n{}\n", words.join("\n"));
+    let blank = format!("{header}end_header\n{}\n", body.replace('\n', "\n\n"));
+    let windows = ply_text().replace('\n', "\r\n");
+    for text in [one_line, each_its_own, blank, windows] {
+        let found = raw(text.as_bytes(), MeshFormat::Ply);
+        assert_eq!((&found.positions, &found.triangles), (&plain.positions, &plain.triangles));
+    }
+    let short = format!("{header}end_header\n{}\n", words[..words.len() - 1].join("\n"));
+    assert!(read(short.as_bytes(), MeshFormat::Ply, "short", None).is_err());
+}
+
+#[test]
+fn ply_gives_normals() {
+    let header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+        property float nx\nproperty float ny\nproperty float nz\nelement face 1\nproperty list uchar int vertex_index\nend_header\n";
+    let text = format!("{header}0 0 0 0 0 1\n1 0 0 0 1 0\n0 1 0 1 0 0\n3 0 1 2\n");
+    let axis = |k: usize| Vec3::from_array(std::array::from_fn(|i| f64::from(u8::from(i == k))));
+    assert_eq!(raw(text.as_bytes(), MeshFormat::Ply).normals, [[axis(2), axis(1), axis(0)]]);
+}
+
+// glTF, with its buffer in the file.
+
+/// A document around one primitive: what is said of it, its accessors and views, and the buffer.
+fn gltf(primitive: &str, accessors: &str, views: &str, buffer: &[u8], node: &str) -> String {
+    use base64::Engine as _;
+    let data = base64::engine::general_purpose::STANDARD_NO_PAD.encode(buffer);
+    format!(
+        r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],
+        "nodes":[{{"mesh":0{node}}}],"meshes":[{{"primitives":[{{{primitive}}}]}}],
+        "accessors":[{accessors}],"bufferViews":[{views}],
+        "buffers":[{{"byteLength":{},"uri":"data:application/octet-stream;base64,{data}"}}]}}"#,
+        buffer.len()
+    )
+}
+
+fn cube_floats() -> Vec<u8> {
+    CUBE.iter().flatten().flat_map(|&x| (x as f32).to_le_bytes()).collect()
+}
+
+fn cube_indices() -> Vec<u8> {
+    cube().triangles.iter().flatten().map(|&i| i as u8).collect()
+}
+
+const POSITION: &str = r#""attributes":{"POSITION":0},"indices":1"#;
+
+#[test]
+fn gltf_accessors_of_every_kind_give_the_cube() {
+    let expected = soup(&cube());
+    let floats = r#"{"bufferView":0,"componentType":5126,"count":8,"type":"VEC3"}"#;
+    let bytes = r#"{"bufferView":1,"componentType":5121,"count":36,"type":"SCALAR"}"#;
+    let two = |first: usize, second: usize| {
+        format!(
+            r#"{{"buffer":0,"byteLength":{first}}},{{"buffer":0,"byteOffset":{first},"byteLength":{second}}}"#
+        )
+    };
+    let plain = [cube_floats(), cube_indices()].concat();
+    let check = |what: &str, json: String| {
+        let found = raw(json.as_bytes(), MeshFormat::Gltf);
+        assert_eq!(soup(&found), expected, "{what}");
+    };
+    check("plain", gltf(POSITION, &format!("{floats},{bytes}"), &two(96, 36), &plain, ""));
+    let scaled = r#","matrix":[0,0,-0.5,0, 0,0.5,0,0, 0.5,0,0,0, 0,0,0,1]"#;
+    // Signed bytes, normalised: 127 is 1, and both -127 and -128 are -1.
+    let normalised: Vec<u8> =
+        CUBE.iter().flatten().map(|&x| if x > 0.0 { 127u8 } else { 128 }).collect();
+    let accessor =
+        r#"{"bufferView":0,"componentType":5120,"normalized":true,"count":8,"type":"VEC3"}"#;
+    let half = r#","scale":[0.5,0.5,0.5]"#;
+    check(
+        "normalised bytes",
+        gltf(
+            POSITION,
+            &format!("{accessor},{bytes}"),
+            &two(24, 36),
+            &[normalised, cube_indices()].concat(),
+            half,
+        ),
+    );
+    // Unsigned 16-bit numbers as they are, in items of 8 bytes, brought to their place by the node.
+    let padded: Vec<u8> = CUBE
+        .iter()
+        .flat_map(|p| p.iter().map(|&x| if x > 0.0 { 1000u16 } else { 0 }).chain([77]))
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    let views = format!(
+        r#"{{"buffer":0,"byteLength":64,"byteStride":8}},{{"buffer":0,"byteOffset":64,"byteLength":36}}"#
+    );
+    let accessor = r#"{"bufferView":0,"componentType":5123,"count":8,"type":"VEC3"}"#;
+    let node = r#","scale":[0.001,0.001,0.001],"translation":[-0.5,-0.5,-0.5]"#;
+    let quantised = gltf(
+        POSITION,
+        &format!("{accessor},{bytes}"),
+        &views,
+        &[padded, cube_indices()].concat(),
+        node,
+    );
+    let required = quantised.replacen(
+        "\"asset\"",
+        r#""extensionsRequired":["KHR_mesh_quantization","KHR_materials_unlit","KHR_texture_transform"],"asset""#,
+        1,
+    );
+    check("quantised", required);
+    // Sparse: the first four corners stand, the others come in later, out of order.
+    let mut halfway = cube_floats();
+    halfway[48..].fill(0);
+    let later: Vec<u8> = [5, 4, 7, 6]
+        .iter()
+        .flat_map(|&v: &usize| CUBE[v].iter().flat_map(|&x| (x as f32).to_le_bytes()))
+        .collect();
+    let accessor = r#"{"bufferView":0,"componentType":5126,"count":8,"type":"VEC3","sparse":{"count":4,
+        "indices":{"bufferView":2,"componentType":5121},"values":{"bufferView":3}}}"#;
+    let views = format!(
+        r#"{},{{"buffer":0,"byteOffset":132,"byteLength":4}},{{"buffer":0,"byteOffset":136,"byteLength":48}}"#,
+        two(96, 36)
+    );
+    let buffer = [halfway, cube_indices(), vec![5, 4, 7, 6], later].concat();
+    check("sparse", gltf(POSITION, &format!("{accessor},{bytes}"), &views, &buffer, ""));
+    // All of it sparse: without a view, the rest is zeros.
+    let all: Vec<u8> = (0..8u8).chain(cube_floats()).collect();
+    let accessor = r#"{"componentType":5126,"count":8,"type":"VEC3","sparse":{"count":8,
+        "indices":{"bufferView":0,"componentType":5121},"values":{"bufferView":1}}}"#;
+    let views = r#"{"buffer":0,"byteLength":8},{"buffer":0,"byteOffset":8,"byteLength":96},{"buffer":0,"byteOffset":104,"byteLength":36}"#;
+    let bytes_at_2 = bytes.replace("\"bufferView\":1", "\"bufferView\":2");
+    check(
+        "zeros but for",
+        gltf(
+            POSITION,
+            &format!("{accessor},{bytes_at_2}"),
+            views,
+            &[all, cube_indices()].concat(),
+            "",
+        ),
+    );
+    // A turned and mirroring node: z to x with half the size, x to -z; the cube stays a cube, its faces outward.
+    let (mesh, mended) = closed(raw(
+        gltf(POSITION, &format!("{floats},{bytes}"), &two(96, 36), &plain, scaled).as_bytes(),
+        MeshFormat::Gltf,
+    ))
+    .unwrap();
+    assert!((mesh.signed_volume() - 0.125).abs() < 1e-12 && mended.flipped_faces.is_empty());
+    let mirrored =
+        gltf(POSITION, &format!("{floats},{bytes}"), &two(96, 36), &plain, r#","scale":[1,1,-1]"#);
+    assert_eq!(volume(mirrored.as_bytes(), MeshFormat::Gltf), (1.0, 12));
+}
+
+#[test]
+fn gltf_strips_and_fans_are_the_triangles_that_they_mean() {
+    let floats = r#"{"bufferView":0,"componentType":5126,"count":8,"type":"VEC3"}"#;
+    let primitive = |accessor: usize, mode: u8| {
+        format!(r#""attributes":{{"POSITION":0}},"indices":{accessor},"mode":{mode}"#)
+    };
+    let strips: Vec<u8> = STRIPS.concat().iter().map(|&i| i as u8).collect();
+    let lengths = STRIPS.map(<[i32]>::len);
+    let accessor = |offset: usize, count: usize| {
+        format!(
+            r#"{{"bufferView":1,"byteOffset":{offset},"componentType":5121,"count":{count},"type":"SCALAR"}}"#
+        )
+    };
+    let accessors = [
+        floats.to_owned(),
+        accessor(0, lengths[0]),
+        accessor(lengths[0], lengths[1]),
+        accessor(lengths[0] + lengths[1], lengths[2]),
+    ];
+    let primitives = (1..=3).map(|k| primitive(k, 5)).collect::<Vec<_>>().join("},{");
+    let views = format!(
+        r#"{{"buffer":0,"byteLength":96}},{{"buffer":0,"byteOffset":96,"byteLength":{}}}"#,
+        strips.len()
+    );
+    let buffer = [cube_floats(), strips].concat();
+    let json = gltf(&primitives, &accessors.join(","), &views, &buffer, "");
+    let found = raw(json.as_bytes(), MeshFormat::Gltf);
+    let meant =
+        RawMesh { positions: cube().positions, triangles: from_strips(), ..RawMesh::default() };
+    assert_eq!(soup(&found), soup(&meant));
+    assert_eq!(volume(json.as_bytes(), MeshFormat::Gltf), (1.0, 12));
+    // Two fans about opposite corners fill the cube: around corner 0 and around corner 6.
+    let fans: Vec<u8> = vec![0, 3, 2, 1, 5, 4, 7, 3, 6, 5, 1, 2, 3, 7, 4, 5];
+    let accessors = [floats.to_owned(), accessor(0, 8), accessor(8, 8)];
+    let primitives = format!("{}}},{{{}", primitive(1, 6), primitive(2, 6));
+    let views = views.replace(&format!("{}}}", lengths.iter().sum::<usize>()), "16}");
+    let json = gltf(&primitives, &accessors.join(","), &views, &[cube_floats(), fans].concat(), "");
+    assert_eq!(volume(json.as_bytes(), MeshFormat::Gltf), (1.0, 12));
+}
+
+#[test]
+fn gltf_finds_its_buffer_by_what_the_uri_means() {
+    let bytes = r#"{"bufferView":1,"componentType":5121,"count":36,"type":"SCALAR"}"#;
+    let floats = r#"{"bufferView":0,"componentType":5126,"count":8,"type":"VEC3"}"#;
+    let views = r#"{"buffer":0,"byteLength":96},{"buffer":0,"byteOffset":96,"byteLength":36}"#;
+    let buffer = [cube_floats(), cube_indices()].concat();
+    let inside = gltf(POSITION, &format!("{floats},{bytes}"), views, &buffer, "");
+    let from = inside.find("data:").unwrap();
+    let to = from + inside[from..].find('"').unwrap();
+    let with = |uri: &str| format!("{}{uri}{}", &inside[..from], &inside[to..]);
+    for (uri, name) in [
+        ("my%20mesh.bin", "my mesh.bin"),
+        ("my mesh.bin", "my mesh.bin"),
+        ("%C3%BC/100%25.bin", "ü/100%.bin"),
+        ("./a.bin", "./a.bin"),
+    ] {
+        let beside = |path: &Path| {
+            assert_eq!(path, Path::new(name));
+            Ok(buffer.clone())
+        };
+        let found = read(with(uri).as_bytes(), MeshFormat::Gltf, "model", Some(&beside)).unwrap();
+        assert_eq!(soup(&found), soup(&cube()), "{uri}");
+    }
+    let never = |_: &Path| -> std::io::Result<Vec<u8>> { panic!("it is not to be read") };
+    for uri in ["%2e%2e/secret", "..%2fsecret", "%2Fetc%2Fpasswd", ""] {
+        assert!(
+            read(with(uri).as_bytes(), MeshFormat::Gltf, "model", Some(&never)).is_err(),
+            "{uri}"
+        );
+    }
+    // Every byte as %XX is a data URI as well.
+    let percent: String = buffer.iter().map(|byte| format!("%{byte:02x}")).collect();
+    let found =
+        raw(with(&format!("data:application/octet-stream,{percent}")).as_bytes(), MeshFormat::Gltf);
+    assert_eq!(soup(&found), soup(&cube()));
+}
+
+#[test]
+fn gltf_normals_follow_the_surface_through_any_node() {
+    // A triangle in the plane x + z = 1, its normal given; the node stretches x threefold and mirrors y.
+    let points = [[1.0f32, 0.0, 0.0], [0.0, 1.0, 1.0], [0.0, 0.0, 1.0]];
+    let normals = [[1.0f32, 0.0, 1.0]; 3];
+    let bytes: Vec<u8> =
+        points.iter().chain(&normals).flatten().flat_map(|x| x.to_le_bytes()).collect();
+    let accessors = r#"{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},{"bufferView":1,"componentType":5126,"count":3,"type":"VEC3"}"#;
+    let views = r#"{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":36}"#;
+    let json = gltf(
+        r#""attributes":{"POSITION":0,"NORMAL":1}"#,
+        accessors,
+        views,
+        &bytes,
+        r#","scale":[3,-1,1]"#,
+    );
+    let raw = raw(json.as_bytes(), MeshFormat::Gltf);
+    let [a, b, c] = raw.triangles[0].map(|v| raw.positions[v as usize]);
+    let face = (b - a).cross(c - a).normalized();
+    let given = raw.normals[0][0].normalized();
+    assert!((given.dot(face).abs() - 1.0).abs() < 1e-12, "{given:?} {face:?}");
+    // The plane is now x / 3 + z = 1: the normal is along (1/3, 0, 1).
+    assert!((given - Vec3::new(1.0, 0.0, 3.0).normalized()).length() < 1e-12);
+}
+
+#[test]
+fn gltf_refuses_what_would_change_the_shape() {
+    let floats = r#"{"bufferView":0,"componentType":5126,"count":8,"type":"VEC3"}"#;
+    let bytes = r#"{"bufferView":1,"componentType":5121,"count":36,"type":"SCALAR"}"#;
+    let views = r#"{"buffer":0,"byteLength":96},{"buffer":0,"byteOffset":96,"byteLength":36}"#;
+    let buffer = [cube_floats(), cube_indices()].concat();
+    let make = |primitive: &str, node: &str| {
+        gltf(&format!("{POSITION}{primitive}"), &format!("{floats},{bytes}"), views, &buffer, node)
+    };
+    let targets = r#","targets":[{"POSITION":0}]"#;
+    for (json, word) in [
+        (make(targets, r#","weights":[0.5]"#), "morph"),
+        (make("", r#","skin":0"#), "skins"),
+        (make("", r#","extensions":{"EXT_mesh_gpu_instancing":{}}"#), "instances"),
+        (
+            make("", "").replacen(
+                "\"asset\"",
+                r#""extensionsRequired":["EXT_meshopt_compression"],"asset""#,
+                1,
+            ),
+            "EXT_meshopt_compression",
+        ),
+        (make("", r#","extensions":{"KHR_node_visibility":{"visible":false}}"#), "no faces"),
+    ] {
+        let error = read(json.as_bytes(), MeshFormat::Gltf, "model", None).expect_err(word);
+        assert!(error.message.contains(word), "{error}");
+    }
+    // Targets without weight leave the shape as it is.
+    let found = raw(make(targets, r#","weights":[0]"#).as_bytes(), MeshFormat::Gltf);
+    assert_eq!(soup(&found), soup(&cube()));
+    // A library of meshes has no scene.
+    let without = make("", "").replace("\"scene\":0,\"scenes\":[{\"nodes\":[0]}],", "");
+    assert_eq!(soup(&raw(without.as_bytes(), MeshFormat::Gltf)), soup(&cube()));
+}
