@@ -321,3 +321,56 @@ bpy.ops.render.render(write_still=True)
         }
     }
 }
+
+#[test]
+fn opencv_s_storages_of_every_form_are_read() {
+    let Some(python) = python() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let script = "
+import cv2, numpy, sys
+folder = sys.argv[1] + '/'
+x, y = numpy.load(folder + 'm_x.npy'), numpy.load(folder + 'm_y.npy')
+whole, fractions = cv2.convertMaps(numpy.nan_to_num(x, nan=-1), numpy.nan_to_num(y, nan=-1), cv2.CV_16SC2)
+forms = {'pair': [('mapx', x), ('mapy', y)], 'both': [('map', numpy.dstack([x, y]))], 'fixed': [('map1', whole), ('map2', fractions)]}
+for form, matrices in forms.items():
+    for extension in 'yml', 'xml', 'json', 'yml.gz', 'xml.gz', 'json.gz':
+        for how, flag in ('text', 0), ('base64', cv2.FILE_STORAGE_BASE64):
+            if flag and extension.endswith('gz'):
+                continue
+            name = form + '-' + how + '.' + extension
+            storage = cv2.FileStorage(folder + name, cv2.FILE_STORAGE_WRITE | flag)
+            for key, matrix in matrices:
+                storage.write(key, matrix)
+            storage.release()
+            print(name)
+numpy.save(folder + 'map1.npy', whole)
+numpy.save(folder + 'map2.npy', fractions)
+numpy.save(folder + 'both.npy', numpy.dstack([x, y]).astype(numpy.float32))
+numpy.save(folder + 'fortran.npy', numpy.asfortranarray(numpy.dstack([x, y])))
+print('map1.npy')
+print('both.npy')
+print('fortran.npy')
+";
+    let map = bent_map();
+    write_map(&map, SOURCE, Format::OpenCv, &folder.path().join("m.npy")).unwrap();
+    let output = Command::new(&python).args(["-c", script]).arg(folder.path()).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let told = String::from_utf8(output.stdout).unwrap();
+    let mut files = 0;
+    for name in told.lines() {
+        let format = name.ends_with("npy").then_some(Format::OpenCv);
+        let back = read_map(&folder.path().join(name), format, Some(SOURCE)).unwrap().map;
+        // Fixed coordinates are rounded to 1/32 px; floats and their texts up to 61 to 2^-19 px.
+        let fixed = name.contains("fixed") || name == "map1.npy";
+        let step = if fixed { 0.5 / 32.0 / 47.0 + 1e-7 } else { 2f64.powi(-19) / 47.0 };
+        for (told, uv) in back.uv.iter().zip(&map.uv) {
+            assert_eq!(told[0].is_nan(), uv[0].is_nan(), "{name}: {told:?} {uv:?}");
+            if !uv[0].is_nan() {
+                let off = (told[0] - uv[0]).abs().max((told[1] - uv[1]).abs());
+                assert!(off <= step, "{name}: {off}");
+            }
+        }
+        files += 1;
+    }
+    assert_eq!(files, 3 * (6 + 3) + 3);
+}

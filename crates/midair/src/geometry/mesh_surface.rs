@@ -60,6 +60,9 @@ const ONE_NORMAL: f64 = 1e-5;
 /// arithmetic that they are tested with, so that no triangle is missed for it; triangles themselves are tested in `f64`.
 const WIDENED: f64 = 1e-5;
 
+/// The BVH's traversal leaves out boxes that end nearer than 1e-4 to its start, mm: it starts this much earlier.
+const SET_BACK: f64 = 1e-3;
+
 /// A walk from one triangle to the next that is longer than this is given up for a search.
 const LONGEST_WALK: usize = 24;
 
@@ -141,7 +144,7 @@ impl MeshSurface {
         if let (false, Some(wanted)) = (self.bodies.is_empty(), search.crossing) {
             return self.nearest_of_union(ray, search, wanted);
         }
-        let start = self.entry(ray)?.max(search.after);
+        let start = self.entry(ray)?.max(search.after) - SET_BACK;
         // f32 traversal starts where the mesh does: far-away origins would lose the digits that boxes need.
         let near = ray.at(start);
         let sheared = Sheared::new(ray);
@@ -209,7 +212,7 @@ impl MeshSurface {
     fn all(&self, ray: &Ray, search: Search) -> Vec<Hit> {
         let mut hits = Vec::new();
         let Some(entry) = self.entry(ray) else { return hits };
-        let near = ray.at(entry.max(search.after));
+        let near = ray.at(entry.max(search.after) - SET_BACK);
         let sheared = Sheared::new(ray);
         let traversed = obvhs::ray::Ray::new(
             narrow(near).into(),
@@ -217,7 +220,7 @@ impl MeshSurface {
             0.0,
             f32::INFINITY,
         );
-        self.bvh.ray_traverse(traversed, &mut obvhs::ray::RayHit::none(), |_, index| {
+        self.bvh.ray_traverse_anyhit(traversed, |_, index| {
             let face = self.bvh.primitive_indices[index];
             let triangle = &self.triangles[face as usize];
             if search.standing_on != Some(face)
@@ -225,7 +228,6 @@ impl MeshSurface {
             {
                 hits.push(Hit { t, face, crossing: triangle.crossing(ray.direction) });
             }
-            f32::INFINITY
         });
         hits
     }

@@ -137,7 +137,8 @@ fn elements(reader: &mut Reader<Cursor<&[u8]>>, header: &Header) -> Result<Conte
     Ok(content)
 }
 
-/// The elements of a text whose words are not laid out by lines; `None` where they are not just as many as the header says.
+/// The elements of a text whose words are not laid out by lines; `None` where they are not just as many as the header says, or make no faces of its
+/// vertices: a word that is missing would make others of all that follow.
 fn free_text(payload: &[u8], header: &Header) -> Option<Content> {
     let mut words = words(payload);
     let mut content = Content::default();
@@ -153,7 +154,12 @@ fn free_text(payload: &[u8], header: &Header) -> Option<Content> {
             }
         }
     }
-    words.next().is_none().then_some(content)
+    let count = content.vertices.len() as i64;
+    let fits = |Corners(corners): &Corners| {
+        let known = |corners: &Vec<i64>| corners.iter().all(|i| (0..count).contains(i));
+        corners.as_ref().is_some_and(|corners| corners.len() >= 3 && known(corners))
+    };
+    (words.next().is_none() && content.faces.iter().all(fits)).then_some(content)
 }
 
 /// An element's words, as what a vertex and as what a face has of them.

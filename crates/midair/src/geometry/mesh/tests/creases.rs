@@ -210,7 +210,8 @@ fn the_crease_angle_is_the_user_s() {
             assert!((*normal - diagonal(t, k)).length() < 1e-12);
         }
     }
-    assert_eq!(shaded(sphere(8), 5.0).1.sharp_edges, 8 * 16 - 16 + 7 * 16);
+    // Of a coarse ball all rings are sharp, and the meridians but for those at the poles: sin(11.25 degrees) of 22.5 is less than 5.
+    assert_eq!(shaded(sphere(8), 5.0).1.sharp_edges, 7 * 16 + 6 * 16);
 }
 
 /// The cube or another mesh with normals of the file.
