@@ -1,7 +1,8 @@
 //! A pair of 16-bit PGM files for ffmpeg's remap filter.
 
 use super::exr_channels::check_size;
-use super::{FileError, LoadedMap, answer, pair, read_bytes, write_bytes_atomically};
+use super::{FileError, LoadedMap, answer, pair, read_bytes};
+use crate::files::write_bytes_atomically;
 use crate::map::{Map, Status};
 use std::path::{Path, PathBuf};
 

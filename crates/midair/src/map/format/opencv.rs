@@ -2,7 +2,8 @@
 
 use super::exr_channels::check_size;
 use super::png::{coverage, uncover};
-use super::{FileError, LoadedMap, answer, npy, pair, write_bytes_atomically};
+use super::{FileError, LoadedMap, answer, npy, pair};
+use crate::files::write_bytes_atomically;
 use crate::map::{Map, Status};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
