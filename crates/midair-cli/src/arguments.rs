@@ -1,10 +1,11 @@
 //! What stands on the command line: sizes, points, formats; and the files that it names.
 
 use crate::failure::Failure;
+use crate::output::inputs;
 use clap::ValueEnum;
 use clap::builder::PossibleValuesParser;
 use clap::builder::TypedValueParser as _;
-use midair::map::format::{Format, MAX_PIXELS};
+use midair::map::format::{FileError, Format, LoadedMap, MAX_PIXELS, Reading, decode_map};
 use midair::picture::{Overflow, Still, read_still};
 use midair::scene::{Loaded, load};
 use std::path::Path;
@@ -111,7 +112,9 @@ pub fn map_formats() -> impl clap::builder::TypedValueParser<Value = Format> {
 
 /// Reads a scene, with another display resolution if one is asked for.
 pub fn open_scene(path: &Path, size: Option<Size>) -> Result<Loaded, Failure> {
+    inputs().add(path);
     let mut loaded = load(path)?;
+    loaded.scene.files().into_iter().for_each(|file| inputs().add(&loaded.folder.join(file)));
     if let Some(Size(size)) = size {
         loaded.scene.display.resolution = size;
     }
@@ -129,9 +132,16 @@ pub fn open_scene(path: &Path, size: Option<Size>) -> Result<Loaded, Failure> {
 
 /// Reads a picture; what was passed over or mended goes to `notes`.
 pub fn open_picture(path: &Path, notes: &mut Vec<String>) -> Result<Still, Failure> {
+    inputs().add(path);
     let still = read_still(path)?;
     notes.extend(still.notes.iter().cloned());
     Ok(still)
+}
+
+/// Reads a map, as [`decode_map`].
+pub fn open_map(path: &Path, reading: &Reading) -> Result<LoadedMap, FileError> {
+    inputs().add(path);
+    decode_map(path, &|file| std::fs::read(file), reading)
 }
 
 /// Rays that one view may have: what they hold in memory grows to 50 bytes each.

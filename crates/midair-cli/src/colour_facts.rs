@@ -2,11 +2,11 @@
 
 use crate::commands::check::Stray;
 use crate::failure::Failure;
-use crate::output::Output;
 use crate::report_page::figure;
 use crate::summary::{number, percent};
 use midair::evaluate::colour::{Evenness, FringeWidth, Fringes, evenness, fringes};
 use midair::evaluate::proof::Settings;
+use midair::files::Output;
 use midair::map::{Gain, Map};
 use midair::picture::{Depth, Picture, write_still};
 use midair::scene::Loaded;
@@ -220,7 +220,7 @@ impl Colour {
     /// Writes the pictures.
     pub fn write(&self, output: &mut Output) -> Result<(), Failure> {
         let mut picture = |name: &str, picture: &Picture| -> Result<(), Failure> {
-            output.write(name, |path| write_still(path, picture, Depth::Eight))
+            Ok(output.write(name, |path| write_still(path, picture, Depth::Eight))?)
         };
         picture("gain.png", &gain_picture(&self.evenness.gain))?;
         let [plain, even] = fields(&self.evenness.views);

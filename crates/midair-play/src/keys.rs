@@ -3,8 +3,8 @@
 use crate::nudge::Nudge;
 use crate::show::Show;
 use crate::steady::Steady;
+use midair::files::write_bytes_atomically;
 use midair::geometry::Vec3;
-use midair::map::format::write_bytes_atomically;
 use midair::scene::to_toml;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;

@@ -2,6 +2,7 @@
 
 use super::tool::{Said, VideoError, ffmpeg, file_argument, not_started, summary};
 use super::{Film, SCALE_FLAGS};
+use midair::picture::OverBlack;
 use std::io::Read;
 use std::path::Path;
 use std::process::{Child, ChildStdout, Stdio};
@@ -38,7 +39,7 @@ enum News {
     Frame { ticks: i64, size: [usize; 2] },
 }
 
-/// A film being decoded: packed RGB rows from the top, 8 bits a sample or 16 (little-endian).
+/// A film being decoded: packed RGB rows from the top, 8 bits a sample or 16 (little-endian). What is transparent is black, as in stills.
 #[derive(Debug)]
 pub struct Decoder {
     process: Child,
@@ -48,6 +49,9 @@ pub struct Decoder {
     base: Option<[u64; 2]>,
     size: [usize; 2],
     deep: bool,
+    /// For films with alpha, whose frames come as RGBA.
+    over_black: Option<OverBlack>,
+    with_alpha: Vec<u8>,
     path: std::path::PathBuf,
 }
 
@@ -63,16 +67,25 @@ impl Decoder {
     /// # Errors
     /// [`VideoError`] where ffmpeg cannot be started.
     pub fn new(film: &Film, deep: bool) -> Result<Self, VideoError> {
-        let format = if deep { "rgb48le" } else { "rgb24" };
+        let format = match (deep, film.alpha) {
+            (false, false) => "rgb24",
+            (true, false) => "rgb48le",
+            (false, true) => "rgba",
+            (true, true) => "rgba64le",
+        };
         let weave = if film.interlaced { "yadif," } else { "" };
         let matrix = film.colour.scale_matrix();
         let filter = format!(
             "{weave}scale=in_color_matrix={matrix}:flags={SCALE_FLAGS},format={format},showinfo=checksum=0"
         );
-        let mut process = ffmpeg("info")
+        let mut command = ffmpeg("info");
+        if let Some(decoder) = film.decoder {
+            command.args(["-c:v", decoder]);
+        }
+        let mut process = command
             .arg("-i")
             .arg(file_argument(&film.path))
-            .args(["-map", "0:v:0", "-an", "-sn", "-dn", "-vf", &filter])
+            .args(["-map", &format!("0:{}", film.stream), "-an", "-sn", "-dn", "-vf", &filter])
             .args(["-fps_mode", "passthrough", "-f", "rawvideo", "-pix_fmt", format, "pipe:1"])
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
@@ -92,7 +105,20 @@ impl Decoder {
             }
         });
         let path = film.path.clone();
-        Ok(Self { process, frames, said, news, base: None, size: film.size, deep, path })
+        let over_black = film.alpha.then(|| OverBlack::new(deep, film.colour.curve()));
+        let (size, with_alpha) = (film.size, Vec::new());
+        Ok(Self {
+            process,
+            frames,
+            said,
+            news,
+            base: None,
+            size,
+            deep,
+            over_black,
+            with_alpha,
+            path,
+        })
     }
 
     /// Width and height of the frames; the film's own until the first one has come.
@@ -116,9 +142,20 @@ impl Decoder {
                 Err(_) => return Ok(None),
             }
         };
-        frame.resize(self.size[0] * self.size[1] * if self.deep { 6 } else { 3 }, 0);
-        match self.frames.read_exact(frame) {
-            Ok(()) => Ok(Some(Timing { ticks, base: self.base.unwrap_or([1, 1_000_000]) })),
+        let sample = if self.deep { 2 } else { 1 };
+        let pixels = self.size[0] * self.size[1];
+        let (raw, channels) = match self.over_black {
+            Some(_) => (&mut self.with_alpha, 4),
+            None => (&mut *frame, 3),
+        };
+        raw.resize(pixels * channels * sample, 0);
+        match self.frames.read_exact(raw) {
+            Ok(()) => {
+                if let Some(over_black) = &self.over_black {
+                    over_black.apply(&self.with_alpha, frame);
+                }
+                Ok(Some(Timing { ticks, base: self.base.unwrap_or([1, 1_000_000]) }))
+            }
             Err(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => Ok(None),
             Err(source) => {
                 Err(VideoError::Pipe { path: self.path.clone(), doing: "decode it", source })

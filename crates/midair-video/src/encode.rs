@@ -1,13 +1,14 @@
 //! From raw frames to a film.
 
 use super::matroska;
+use super::options::{Plan, pixel_format};
 use super::tool::{Said, VideoError, ffmpeg, file_argument, not_started, summary};
-use super::{Colour, SCALE_FLAGS, Timing};
+use super::{Colour, Timing};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Stdio};
 
-/// A film being encoded. It has no sound; [`join`] adds that.
+/// A film being encoded. It has no sound; [`join`](super::join()) adds that.
 #[derive(Debug)]
 pub struct Encoder {
     process: Child,
@@ -32,6 +33,8 @@ pub struct Recipe<'a> {
     pub base: [u64; 2],
     /// ffmpeg's options for its encoder; none: chosen by the file's name and the depth.
     pub options: &'a [String],
+    /// The encoder's pixel format, where it has been asked for already by [`pixel_format`].
+    pub format: Option<&'a str>,
 }
 
 impl Encoder {
@@ -40,27 +43,22 @@ impl Encoder {
     /// # Errors
     /// [`VideoError`] where ffmpeg cannot be started.
     pub fn new(path: &Path, recipe: &Recipe) -> Result<Self, VideoError> {
-        let colour = recipe.colour;
-        let matrix = colour.scale_matrix();
-        let filter = format!("scale=out_color_matrix={matrix}:out_range=tv:flags={SCALE_FLAGS}");
-        let options = encoder_options(path, recipe);
+        let format = match recipe.format {
+            Some(format) => format.to_owned(),
+            None => pixel_format(path, recipe)?,
+        };
+        Self::start(path, recipe, &Plan::new(path, recipe, Some(&format)))
+    }
+
+    /// As [`Encoder::new`], with all that is said to ffmpeg.
+    pub(crate) fn start(path: &Path, recipe: &Recipe, plan: &Plan) -> Result<Self, VideoError> {
         let mut command = ffmpeg("error");
         command
-            .args(["-y", "-f", "matroska", "-i", "pipe:0", "-map", "0:v:0", "-vf", &filter])
+            .args(["-y", "-f", "matroska", "-i", "pipe:0", "-map", "0:v:0", "-vf", &plan.filter])
             .args(["-fps_mode", "passthrough"])
             .args(["-enc_time_base", &format!("{}/{}", recipe.base[0], recipe.base[1])])
-            .args(&options);
-        let yuv = options.iter().any(|option| option.starts_with("yuv"));
-        if yuv {
-            command.args(["-colorspace", &colour.matrix, "-color_range", "tv"]);
-        }
-        for (name, value) in
-            [("-color_primaries", &colour.primaries), ("-color_trc", &colour.transfer)]
-        {
-            if let Some(value) = value {
-                command.args([name, value]);
-            }
-        }
+            .args(&plan.tags)
+            .args(&plan.options);
         let mut process = command
             .arg(file_argument(path))
             .stdin(Stdio::piped())
@@ -127,94 +125,4 @@ impl Drop for Encoder {
         let _ = self.process.kill();
         let _ = self.process.wait();
     }
-}
-
-/// The options as given, or a choice that looks the same as the source.
-fn encoder_options(path: &Path, recipe: &Recipe) -> Vec<String> {
-    if !recipe.options.is_empty() {
-        return recipe.options.to_vec();
-    }
-    let extension =
-        path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    let odd = recipe.size.iter().any(|side| side % 2 == 1);
-    let format = match (recipe.deep, odd) {
-        (false, false) => "yuv420p",
-        (false, true) => "yuv444p",
-        (true, false) => "yuv420p10le",
-        (true, true) => "yuv444p10le",
-    };
-    let codec = match (extension.as_str(), recipe.deep) {
-        ("webm", _) => "-c:v libvpx-vp9 -crf 18 -b:v 0 -row-mt 1 -cpu-used 4",
-        ("mp4" | "mov" | "m4v", true) => {
-            "-c:v libx265 -crf 16 -preset fast -x265-params log-level=none -tag:v hvc1"
-        }
-        (_, true) => "-c:v libx265 -crf 16 -preset fast -x265-params log-level=none",
-        (_, false) => "-c:v libx264 -crf 16 -preset fast",
-    };
-    let mut options: Vec<String> = codec.split(' ').map(str::to_owned).collect();
-    options.extend(["-pix_fmt".to_owned(), format.to_owned()]);
-    options
-}
-
-/// A piece of a film: its file, and how long it lasts in seconds if another one follows.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Part {
-    /// The file.
-    pub path: PathBuf,
-    /// Until the next piece begins.
-    pub duration: Option<f64>,
-}
-
-/// Joins pieces into a film that begins `start` seconds after the beginning of `sound`, from which sound, chapters and
-/// descriptions are taken as they are, and subtitles if both files are of a kind. `list` is a file to work with.
-///
-/// # Errors
-/// [`VideoError`] with ffmpeg's words.
-pub fn join(
-    parts: &[Part],
-    start: f64,
-    sound: Option<&Path>,
-    list: &Path,
-    target: &Path,
-) -> Result<(), VideoError> {
-    let pipe = |source| VideoError::Pipe { path: list.to_owned(), doing: "write it", source };
-    let mut text = String::from("ffconcat version 1.0\n");
-    for part in parts {
-        // Relative to the list, which lies beside them.
-        let name = part.path.file_name().unwrap_or_default().to_string_lossy();
-        text += &format!("file '{name}'\n");
-        if let Some(duration) = part.duration {
-            text += &format!("duration {duration:.9}\n");
-        }
-    }
-    std::fs::write(list, text).map_err(pipe)?;
-    let mut command = ffmpeg("error");
-    command.args(["-y", "-itsoffset", &format!("{start:.9}"), "-f", "concat", "-safe", "0", "-i"]);
-    command.arg(file_argument(list));
-    if let Some(sound) = sound {
-        command.arg("-i").arg(file_argument(sound));
-        command.args(["-map", "0:v:0", "-map", "1:a?", "-map_metadata", "1", "-map_chapters", "1"]);
-        if sound.extension().map(|e| e.to_ascii_lowercase())
-            == target.extension().map(|e| e.to_ascii_lowercase())
-        {
-            command.args(["-map", "1:s?"]);
-        }
-    }
-    let extension = target.extension().and_then(|e| e.to_str()).unwrap_or_default();
-    if ["mp4", "mov", "m4v"].iter().any(|kind| extension.eq_ignore_ascii_case(kind)) {
-        // So that it can be played while it is fetched.
-        command.args(["-movflags", "+faststart"]);
-    }
-    let output = command
-        .args(["-c", "copy"])
-        .arg(file_argument(target))
-        .stdin(Stdio::null())
-        .output()
-        .map_err(|error| not_started("ffmpeg", target, error))?;
-    if output.status.success() {
-        return Ok(());
-    }
-    let mut said = Said::listen(std::io::Cursor::new(output.stderr), |_| {});
-    let said = summary(&said.finish(), "it ended without a word");
-    Err(VideoError::Refused { path: target.to_owned(), doing: "join picture and sound", said })
 }

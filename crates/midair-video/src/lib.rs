@@ -5,16 +5,21 @@
 
 mod decode;
 mod encode;
+mod join;
 mod matroska;
+mod options;
 mod probe;
 mod tool;
 
 pub use decode::{Decoder, Timing};
-pub use encode::{Encoder, Part, Recipe, join};
+pub use encode::{Encoder, Recipe};
+pub use join::{Extras, Joining, Part, join};
+pub use options::pixel_format;
 pub use probe::{Film, probe};
 pub use tool::VideoError;
 
 use midair::picture::Curve;
+use midair::picture::colour::Primaries;
 
 /// How a film's codes stand for light.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -42,6 +47,16 @@ impl Colour {
             Some("arib-std-b67") => Curve::Hlg,
             Some("linear") => Curve::Linear,
             _ => Curve::Srgb,
+        }
+    }
+
+    /// The primaries, where they are wider than those of sRGB: colours of SD television are shown as they are, as players do.
+    pub fn wide_primaries(&self) -> Option<Primaries> {
+        match self.primaries.as_deref()? {
+            "bt2020" => Some(Primaries::BT2020),
+            "smpte431" => Some(Primaries::DCI_P3),
+            "smpte432" => Some(Primaries::DISPLAY_P3),
+            _ => None,
         }
     }
 

@@ -11,12 +11,22 @@ use std::process::Command;
 pub struct Film {
     /// The file.
     pub path: PathBuf,
+    /// Which of the file's streams it is, from 0.
+    pub stream: usize,
+    /// How many streams of moving pictures the file has. Covers and thumbnails do not count.
+    pub films: usize,
     /// Width and height in pixels as it is seen, that is turned as the file says.
     pub size: [usize; 2],
     /// Whether samples have more than 8 bits.
     pub deep: bool,
-    /// Frames that it has, where the file has counted them.
+    /// Whether its pictures have alpha.
+    pub alpha: bool,
+    /// The decoder to ask for, where the usual one would not see the alpha.
+    pub(crate) decoder: Option<&'static str>,
+    /// Frames that it has, where the file has counted them; a film that is shown in part only has more than are seen.
     pub counted: Option<u64>,
+    /// When it begins, in seconds of the file's clock.
+    pub start: f64,
     /// How long it lasts in seconds, where the file tells it of this stream.
     pub seconds: Option<f64>,
     /// How long the whole file lasts in seconds, sound included.
@@ -27,17 +37,31 @@ pub struct Film {
     pub colour: Colour,
     /// Whether frames are woven of two fields.
     pub interlaced: bool,
+    /// How many streams of sound the file has.
+    pub sounds: usize,
+    /// ffmpeg's names of the kinds of the file's subtitles.
+    pub subtitles: Vec<String>,
 }
 
 impl Film {
-    /// How many frames it has, counted or estimated from its length.
+    /// When its last picture's time is over, in seconds of the file's clock, where the file tells.
+    pub fn end(&self) -> Option<f64> {
+        self.seconds.map(|seconds| self.start + seconds)
+    }
+
+    /// How many frames are seen, counted or estimated from its length.
     pub fn frames(&self) -> Option<u64> {
         let by_time = || {
             let seconds = self.seconds.or(self.whole)?;
             let [frames, per] = self.rate.map(|n| n as f64);
             (frames > 0.0).then(|| (seconds * frames / per).round() as u64)
         };
-        self.counted.or_else(by_time)
+        match (self.counted, self.seconds.and_then(|_| by_time())) {
+            // Counted are the frames in the file; a list of edits may show some of them only.
+            (Some(counted), Some(seen)) if seen + 3 + counted / 100 < counted => Some(seen),
+            (Some(counted), _) => Some(counted),
+            (None, _) => by_time(),
+        }
     }
 }
 
@@ -46,17 +70,13 @@ impl Film {
 /// # Errors
 /// [`VideoError`] where ffprobe is missing or cannot read the file, or there is no video in it.
 pub fn probe(path: &Path) -> Result<Film, VideoError> {
+    film(path, &ask(path)?).ok_or_else(|| VideoError::NoVideo { path: path.to_owned() })
+}
+
+/// What ffprobe tells of a file.
+fn ask(path: &Path) -> Result<Value, VideoError> {
     let output = Command::new("ffprobe")
-        .args([
-            "-v",
-            "error",
-            "-select_streams",
-            "v:0",
-            "-show_streams",
-            "-show_format",
-            "-of",
-            "json",
-        ])
+        .args(["-v", "error", "-show_streams", "-show_format", "-of", "json"])
         .arg(file_argument(path))
         .output()
         .map_err(|error| not_started("ffprobe", path, error))?;
@@ -67,13 +87,27 @@ pub fn probe(path: &Path) -> Result<Film, VideoError> {
         let lines: Vec<String> = said.lines().map(|line| line.replace("file:", "")).collect();
         return Err(refused(summary(&lines, "it says nothing")));
     }
-    let told: Value =
-        serde_json::from_slice(&output.stdout).map_err(|error| refused(error.to_string()))?;
-    film(path, &told).ok_or_else(|| VideoError::NoVideo { path: path.to_owned() })
+    serde_json::from_slice(&output.stdout).map_err(|error| refused(error.to_string()))
+}
+
+/// The pixel format of a file's first video stream.
+pub(crate) fn pixel_format_of(path: &Path) -> Result<String, VideoError> {
+    let told = ask(path)?;
+    let streams = told["streams"].as_array().into_iter().flatten();
+    let format = streams.filter_map(|stream| stream["pix_fmt"].as_str()).next();
+    format.map(str::to_owned).ok_or_else(|| VideoError::NoVideo { path: path.to_owned() })
 }
 
 fn film(path: &Path, told: &Value) -> Option<Film> {
-    let stream = told["streams"].get(0)?;
+    let streams = told["streams"].as_array()?;
+    let of_kind = |kind: &'static str| {
+        streams.iter().filter(move |stream| stream["codec_type"].as_str() == Some(kind))
+    };
+    let set = |stream: &Value, flag: &str| stream["disposition"][flag].as_u64() == Some(1);
+    let still =
+        |stream: &&Value| ["attached_pic", "timed_thumbnails"].iter().any(|flag| set(stream, flag));
+    let films: Vec<&Value> = of_kind("video").filter(|stream| !still(stream)).collect();
+    let stream = films.iter().find(|stream| set(stream, "default")).or(films.first())?;
     let side = |name: &str| stream[name].as_u64().filter(|&n| n > 0).map(|n| n as usize);
     let (width, height) = (side("width")?, side("height")?);
     let turned = stream["side_data_list"].as_array().into_iter().flatten();
@@ -90,10 +124,22 @@ fn film(path: &Path, told: &Value) -> Option<Film> {
     // Matroska tells each stream's length in a tag.
     let tagged = || clock(stream["tags"]["DURATION"].as_str()?);
     let usual = Colour::usual(height);
+    // WebM keeps alpha in a second picture, which ffmpeg's own decoders pass over.
+    let second = stream["tags"]["alpha_mode"].as_str().or(stream["tags"]["ALPHA_MODE"].as_str());
+    let decoder = match (second, text("codec_name")) {
+        (Some("1"), Some("vp9")) => Some("libvpx-vp9"),
+        (Some("1"), Some("vp8")) => Some("libvpx"),
+        _ => None,
+    };
     Some(Film {
         path: path.to_owned(),
+        stream: stream["index"].as_u64()? as usize,
+        films: films.len(),
         size,
         deep: is_deep(text("pix_fmt").unwrap_or_default()),
+        alpha: is_alpha(text("pix_fmt").unwrap_or_default()) || decoder.is_some(),
+        decoder,
+        start: stream["start_time"].as_str().and_then(|time| time.parse().ok()).unwrap_or(0.0),
         counted: text("nb_frames").and_then(|count| count.parse().ok()),
         seconds: seconds(stream).or_else(tagged),
         whole: seconds(&told["format"]),
@@ -104,6 +150,10 @@ fn film(path: &Path, told: &Value) -> Option<Film> {
             transfer: text("color_transfer").map(str::to_owned),
         },
         interlaced: matches!(text("field_order"), Some("tt" | "bb" | "tb" | "bt")),
+        sounds: of_kind("audio").count(),
+        subtitles: of_kind("subtitle")
+            .map(|stream| stream["codec_name"].as_str().unwrap_or("unknown").to_owned())
+            .collect(),
     })
 }
 
@@ -115,6 +165,17 @@ fn is_deep(name: &str) -> bool {
     let planar = matches!(last, 9 | 10 | 12 | 14 | 16 | 32);
     let packed = matches!(last, 48 | 64 | 30) || name.starts_with("p01") || name.starts_with("x2");
     (planar && !matches!(name, "nv12" | "nv16" | "yuv9" | "rgb32" | "bgr32")) || packed
+}
+
+/// Whether a pixel format's name tells of alpha: `yuva420p`, `bgra`, `gbrap12le`, `ya8`, and palettes, whose entries may have it.
+fn is_alpha(name: &str) -> bool {
+    let plain = name.trim_end_matches("le").trim_end_matches("be");
+    plain.starts_with("yuva")
+        || plain.starts_with("gbrap")
+        || ["rgba", "bgra", "argb", "abgr", "ayuv", "vuya"]
+            .iter()
+            .any(|kind| plain.starts_with(kind))
+        || matches!(plain, "ya8" | "ya16" | "pal8")
 }
 
 /// `00:01:02.500000000` in seconds.
@@ -134,6 +195,50 @@ fn fraction(text: &str) -> [u64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_cover_is_no_film_and_the_default_one_is_taken() {
+        let stream = |index: u64, cover: u64, default: u64| {
+            serde_json::json!({ "index": index, "codec_type": "video", "width": 8, "height": 8, "avg_frame_rate": "25/1",
+                "disposition": { "attached_pic": cover, "default": default } })
+        };
+        let sound = serde_json::json!({ "index": 9, "codec_type": "audio" });
+        let text = serde_json::json!({ "index": 8, "codec_type": "subtitle", "codec_name": "ass" });
+        let told = serde_json::json!({ "streams": [stream(0, 1, 1), stream(1, 0, 0), stream(2, 0, 1), sound, text] });
+        let taken = film(Path::new("x"), &told).unwrap();
+        assert_eq!((taken.stream, taken.films, taken.sounds), (2, 2, 1));
+        assert_eq!(taken.subtitles, ["ass"]);
+        let told = serde_json::json!({ "streams": [stream(0, 1, 1), sound] });
+        assert!(film(Path::new("x"), &told).is_none());
+    }
+
+    #[test]
+    fn a_film_that_is_shown_in_part_has_the_frames_that_are_seen() {
+        let told = serde_json::json!({ "streams": [{ "index": 0, "codec_type": "video", "width": 8, "height": 8,
+            "avg_frame_rate": "25/1", "nb_frames": "100", "duration": "2.68", "start_time": "0.5" }] });
+        let film = film(Path::new("x"), &told).unwrap();
+        assert_eq!((film.frames(), film.end()), (Some(67), Some(3.18)));
+    }
+
+    #[test]
+    fn alpha_is_read_from_the_formats_name() {
+        for name in [
+            "yuva420p",
+            "yuva444p12le",
+            "bgra",
+            "argb",
+            "rgba64be",
+            "gbrap16le",
+            "ya8",
+            "ya16le",
+            "pal8",
+        ] {
+            assert!(is_alpha(name), "{name}");
+        }
+        for name in ["yuv420p", "gbrp", "rgb24", "rgb0", "gray16le", "yuvj420p", "bgr0"] {
+            assert!(!is_alpha(name), "{name}");
+        }
+    }
 
     #[test]
     fn depth_is_read_from_the_formats_name() {
@@ -159,7 +264,7 @@ mod tests {
 
     #[test]
     fn a_turned_film_is_as_it_is_seen() {
-        let told = serde_json::json!({ "streams": [{ "width": 640, "height": 480, "avg_frame_rate": "30000/1001",
+        let told = serde_json::json!({ "streams": [{ "index": 0, "codec_type": "video", "width": 640, "height": 480, "avg_frame_rate": "30000/1001",
             "side_data_list": [{ "rotation": -90 }], "duration": "10.01", "color_space": "gbr" }] });
         let film = film(Path::new("x"), &told).unwrap();
         assert_eq!((film.size, film.frames(), film.rate), ([480, 640], Some(300), [30000, 1001]));

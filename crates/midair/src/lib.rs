@@ -18,7 +18,7 @@
 //!
 //! The floors of the house, each knowing only those above it:
 //! [`geometry`], [`optics`], [`scene`], [`transport`], [`map`], [`picture`], [`simulate`],
-//! [`compensate`], [`measure`], [`evaluate`].
+//! [`compensate`], [`measure`], [`evaluate`], [`files`].
 //!
 //! Every error becomes an [`Error`]: what is wrong, where, and what helps. Long work is watched by a [`Monitor`].
 //!
@@ -28,6 +28,7 @@
 pub mod compensate;
 mod error;
 pub mod evaluate;
+pub mod files;
 pub mod geometry;
 pub mod map;
 pub mod measure;

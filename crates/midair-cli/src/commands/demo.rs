@@ -3,9 +3,8 @@
 use super::check::write_check;
 use super::report::write_proof;
 use crate::failure::Failure;
-use crate::output::Output;
 use crate::summary::Voice;
-use midair::map::format::write_bytes_atomically;
+use midair::files::write_bytes_atomically;
 use midair::picture::{Depth, Still, write_still};
 use midair::scene::load;
 use midair_report::drawing::test_picture;
@@ -30,7 +29,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
-    let mut output = Output::into_folder(&arguments.out)?;
+    let mut output = crate::output::into_folder(&arguments.out)?;
     let loaded = output.write("scene.toml", |path| {
         write_bytes_atomically(path, SCENE.as_bytes())?;
         Ok(load(path))

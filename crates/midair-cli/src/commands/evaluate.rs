@@ -2,7 +2,6 @@
 
 use crate::arguments::open_picture;
 use crate::failure::Failure;
-use crate::output::Output;
 use crate::progress::Bar;
 use crate::summary::{Voice, number, paths, wrote};
 use clap::ValueEnum;
@@ -10,10 +9,11 @@ use midair::evaluate::paper::{
     Evaluation, PUBLISHED_DISPLACEMENT, PUBLISHED_QUALITY, PaperError, Photograph, QualityView,
     Settings, Subject, quality, shape,
 };
-use midair::map::format::{FileError, write_bytes_atomically};
+use midair::files::{Output, write_bytes_atomically};
+use midair::map::format::FileError;
 use midair::measure::lpips::{Backbone, Lpips, LpipsError};
 use midair::optics::plate::{Model, SlitMirror, SlitMirrorPlate};
-use midair::picture::{Depth, Picture, write_still};
+use midair::picture::{Depth, Picture, READ, is_picture_name, write_still};
 use midair::scene::{Loaded, load};
 use midair::simulate::tone::{Exposure, exposed};
 use midair_report::page::Figure;
@@ -141,7 +141,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         }
     };
     notes.extend(missing.iter().map(|why| format!("LPIPS was not computed. {why}.")));
-    let mut output = Output::into_folder(&arguments.out)?;
+    let mut output = crate::output::into_folder(&arguments.out)?;
     let bar = Bar::new();
     let mut evaluation = Evaluation::default();
     for scene in SHAPE {
@@ -221,8 +221,9 @@ fn photographs(folder: &Path, notes: &mut Vec<String>) -> Result<Vec<Photograph>
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(unreadable)? {
         let path = entry.map_err(unreadable)?.path();
-        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
-        if ["png", "jpg", "jpeg", "exr"].iter().any(|known| extension.eq_ignore_ascii_case(known)) {
+        // Names that begin with a dot are the system's: `._a.jpg` beside a.jpg on disks that a Mac has written.
+        let hidden = path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
+        if !hidden && path.is_file() && is_picture_name(&path) {
             files.push(path);
         }
     }
@@ -230,7 +231,7 @@ fn photographs(folder: &Path, notes: &mut Vec<String>) -> Result<Vec<Photograph>
     if files.is_empty() {
         return Err(Failure::new(
             format!("{}: there is no picture in this folder", folder.display()),
-            "name a folder with PNG, JPEG or OpenEXR files",
+            format!("name a folder with {READ} files"),
         ));
     }
     files
@@ -262,7 +263,7 @@ fn write_lattices(
     let whole = strip(&views.each_ref(), 8)
         .map_err(|error| Failure::Told { message: error.to_string(), help: None })?;
     let name = format!("lattice-{}{azimuth:+.0}.png", part(surface));
-    output.write(&name, |path| write_still(path, &whole, Depth::Eight))
+    Ok(output.write(&name, |path| write_still(path, &whole, Depth::Eight))?)
 }
 
 /// Writes the strip of a row's views; returns it, at half its size, as a figure of the page.

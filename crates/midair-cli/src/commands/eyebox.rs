@@ -3,7 +3,6 @@
 use super::compensate::{write_maps, write_report};
 use crate::arguments::{Point, Size, map_formats, open_picture, open_scene};
 use crate::failure::Failure;
-use crate::output::Output;
 use crate::progress::Bar;
 use crate::summary::{Voice, milliseconds, number, paths, wrote};
 use midair::Monitor as _;
@@ -79,7 +78,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         (None, []) => two_eyes(&setup, arguments.ipd.unwrap_or(63.0)),
         (None, given) => given.iter().map(|Point(at)| Vec3::from_array(*at)).collect(),
     };
-    let mut output = Output::into_folder(&arguments.out)?;
+    let mut output = crate::output::into_folder(&arguments.out)?;
     let start = Instant::now();
     let bar = Bar::new();
     bar.stage("maps", eyes.len() + 1);

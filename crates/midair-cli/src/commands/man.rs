@@ -2,7 +2,6 @@
 
 use super::Program;
 use crate::failure::Failure;
-use crate::output::Output;
 use crate::summary::{Voice, paths, wrote};
 use clap::CommandFactory as _;
 use midair::map::format::FileError;
@@ -19,7 +18,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
-    let mut output = Output::into_folder(&arguments.out)?;
+    let mut output = crate::output::into_folder(&arguments.out)?;
     output.write("midair.1", |path| {
         let folder = path.parent().unwrap_or(path);
         clap_mangen::generate_to(Program::command(), folder)

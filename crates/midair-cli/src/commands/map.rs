@@ -1,11 +1,10 @@
 //! `midair map`: what is done with maps themselves.
 
-use crate::arguments::{Size, map_formats};
+use crate::arguments::{Size, map_formats, open_map};
 use crate::failure::Failure;
-use crate::output::Output;
 use crate::summary::{Voice, counts_line, milliseconds, paths, timings, wrote};
 use clap::Subcommand;
-use midair::map::format::{FileError, Format, Reading, decode_map, write_map_and_gain};
+use midair::map::format::{FileError, Format, Reading, write_map_and_gain};
 use midair::map::{bleed, reversed};
 use serde_json::json;
 use std::path::PathBuf;
@@ -88,7 +87,8 @@ fn convert(arguments: &Convert, voice: Voice) -> Result<(), Failure> {
     let start = Instant::now();
     let region = arguments.region.as_deref();
     let reading = Reading { format: arguments.from, source: given, region };
-    let loaded = decode_map(&arguments.input, &|file| std::fs::read(file), &reading)?;
+    let loaded = open_map(&arguments.input, &reading)?;
+    let (mut output, name) = crate::output::of_file(&arguments.output)?;
     let mut notes = loaded.notes;
     let (mut map, mut gain) = (loaded.map, loaded.gain);
     let left_out = match to {
@@ -118,11 +118,12 @@ fn convert(arguments: &Convert, voice: Voice) -> Result<(), Failure> {
     }
     let work = start.elapsed();
 
-    let (mut output, name) = Output::of_file(&arguments.output)?;
     let start = Instant::now();
     let written =
         output.write(&name, |path| write_map_and_gain(&map, gain.as_ref(), source, to, path))?;
-    notes.extend(written.notes.into_iter().map(|note| format!("{name}: {note}")));
+    notes.extend(
+        written.notes.into_iter().map(|note| format!("{}: {note}", arguments.output.display())),
+    );
     let files = output.finish()?;
     let laps = [("read", read), ("convert", work), ("write", start.elapsed())];
     voice.note(&notes);

@@ -2,10 +2,9 @@
 
 use crate::arguments::open_picture;
 use crate::failure::Failure;
-use crate::output::Output;
 use crate::summary::{Voice, number, paths, wrote};
 use clap::{Subcommand, ValueEnum};
-use midair::map::format::write_bytes_atomically;
+use midair::files::write_bytes_atomically;
 use midair::measure::Plane;
 use midair::measure::lattice::{
     Alignment, Displacement, Lattice, LatticeError, aligned, detect, displacement,
@@ -298,7 +297,7 @@ fn write(
     against: Option<&Against>,
     told: &Value,
 ) -> Result<Vec<PathBuf>, Failure> {
-    let mut output = Output::into_folder(folder)?;
+    let mut output = crate::output::into_folder(folder)?;
     output.write("lattice.json", |path| {
         write_bytes_atomically(path, format!("{told:#}\n").as_bytes())
     })?;
@@ -307,5 +306,5 @@ fn write(
     let belongs = against.map(|against| against.belongs.as_slice());
     let drawn = lattice_picture::draw(&seen.picture, &seen.lattice, belongs);
     output.write("lattice.png", |path| write_still(path, &drawn, Depth::Eight))?;
-    output.finish()
+    Ok(output.finish()?)
 }

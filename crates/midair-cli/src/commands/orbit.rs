@@ -2,12 +2,11 @@
 
 use crate::arguments::{Size, check_view, open_picture, open_scene};
 use crate::failure::Failure;
-use crate::output::Output;
 use crate::progress::Bar;
 use crate::summary::{Voice, milliseconds, number, paths, wrote};
 use midair::Monitor as _;
 use midair::evaluate::orbit::{Seen, Settings, Station, orbit};
-use midair::map::format::write_bytes_atomically;
+use midair::files::write_bytes_atomically;
 use midair::measure::lattice::{Displacement, LatticeStyle};
 use midair::picture::{Depth, Picture, srgb, write_still};
 use midair::transport::Setup;
@@ -86,7 +85,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         lattice: LatticeStyle::default(),
     };
     check_view(settings.view, settings.supersampling)?;
-    let mut output = Output::into_folder(&arguments.out)?;
+    let mut output = crate::output::into_folder(&arguments.out)?;
     let start = Instant::now();
     let bar = Bar::new();
     let count = ((to - from) / step + 1e-9) as usize + 1;
@@ -225,6 +224,7 @@ fn film(
                     colour: &colour,
                     base: [1, 30],
                     options: &[],
+                    format: None,
                 };
                 encoder = Some(Encoder::new(path, &recipe)?);
             }

@@ -2,10 +2,9 @@
 
 use crate::arguments::{length, open_scene};
 use crate::failure::Failure;
-use crate::output::Output;
 use crate::summary::{Voice, number, paths, percent, wrote};
+use midair::files::write_bytes_atomically;
 use midair::geometry::Vec3;
-use midair::map::format::write_bytes_atomically;
 use midair::optics::plate::character::{
     Arrangement, Directions, PointSpread, PointSpreadSettings, Span, Viewpoints, VisibleRange,
     over_directions, over_viewpoints, point_spread,
@@ -61,7 +60,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let loaded = open_scene(&arguments.scene, None)?;
     let mut notes = loaded.notes.clone();
     let character = Character::of(&loaded, arguments.aperture, &mut notes)?;
-    let mut output = Output::into_folder(&arguments.out)?;
+    let mut output = crate::output::into_folder(&arguments.out)?;
     for (name, picture) in [
         ("shares.png", character.shares()),
         ("viewpoints.png", character.viewpoints()),

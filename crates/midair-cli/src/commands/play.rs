@@ -3,7 +3,7 @@
 use crate::arguments::{GainMode, Point, Size, open_scene};
 use crate::failure::Failure;
 use crate::summary::{Voice, paths};
-use midair::picture::Sequence;
+use midair::picture::{Sequence, is_picture_name};
 use midair_play::{
     Calibration, Latency, OneEuro, Options, Outcome, PlayError, Protocol, Renderer, SourceKind,
     Trial, run as show,
@@ -190,10 +190,7 @@ fn source(arguments: &Arguments) -> Result<SourceKind, Failure> {
         ("-", Some(Size(size))) => SourceKind::Stdin(size),
         ("lattice", _) if !path.exists() => SourceKind::Lattice,
         _ => {
-            let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
-            let still = ["png", "jpg", "jpeg", "exr"]
-                .iter()
-                .any(|known| extension.eq_ignore_ascii_case(known));
+            let still = is_picture_name(path);
             match Sequence::of_path(path) {
                 Some(sequence) if still && !path.exists() => {
                     sequence.numbers()?;

@@ -5,12 +5,12 @@ use crate::arguments::{Size, check_view, open_picture, open_scene};
 use crate::colour_facts::Colour;
 use crate::facts::Facts;
 use crate::failure::Failure;
-use crate::output::Output;
 use crate::progress::Bar;
 use crate::summary::{Voice, paths, wrote};
 use midair::Monitor as _;
 use midair::evaluate::proof::{Proof, Settings, prove};
-use midair::map::format::{FileError, Format, write_bytes_atomically};
+use midair::files::{Output, write_bytes_atomically};
+use midair::map::format::Format;
 use midair::picture::{Depth, Picture, Still, write_still};
 use midair::scene::Loaded;
 use midair::transport::Setup;
@@ -48,7 +48,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let given = arguments.image.as_ref().map(|path| open_picture(path, &mut notes)).transpose()?;
     let still = given.unwrap_or_else(|| built_in(&loaded));
     let splat_spp = arguments.splat_spp as usize;
-    let output = Output::into_folder(&arguments.out)?;
+    let output = crate::output::into_folder(&arguments.out)?;
     write_proof(&loaded, &still, splat_spp, notes, output, voice)
 }
 
@@ -113,7 +113,7 @@ fn write_pictures(output: &mut Output, still: &Still, proof: &Proof) -> Result<(
     write_display(output, still, &proof.compensated.display)?;
     let depth = if still.depth == Depth::Eight { Depth::Eight } else { Depth::Sixteen };
     let mut picture = |name: &str, picture: &Picture| -> Result<(), Failure> {
-        output.write(name, |path| -> Result<(), FileError> { write_still(path, picture, depth) })
+        Ok(output.write(name, |path| write_still(path, picture, depth))?)
     };
     picture("display-optimal.png", &proof.optimal.display)?;
     picture("view-reference.png", &proof.reference)?;

@@ -8,7 +8,7 @@ use midair_video::{Decoder, probe};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-fn no_ffmpeg() -> bool {
+pub fn no_ffmpeg() -> bool {
     let missing = Command::new("ffmpeg").arg("-version").output().is_err();
     if missing {
         println!("skipped: no ffmpeg");
@@ -16,7 +16,7 @@ fn no_ffmpeg() -> bool {
     missing
 }
 
-fn ffmpeg(bench: &Bench, arguments: &str) {
+pub fn ffmpeg(bench: &Bench, arguments: &str) {
     let output = Command::new("ffmpeg")
         .args(["-v", "error", "-y"])
         .args(arguments.split(' '))
@@ -43,7 +43,7 @@ fn save(bench: &Bench, map: &Map) {
 }
 
 /// Every frame of a film, as 8-bit RGB, with its time in seconds.
-fn frames(bench: &Bench, name: &str) -> Vec<(f64, Vec<u8>)> {
+pub fn frames(bench: &Bench, name: &str) -> Vec<(f64, Vec<u8>)> {
     let film = probe(&bench.path(name)).unwrap();
     let mut decoder = Decoder::new(&film, false).unwrap();
     let (mut frames, mut frame) = (Vec::new(), Vec::new());
@@ -53,7 +53,7 @@ fn frames(bench: &Bench, name: &str) -> Vec<(f64, Vec<u8>)> {
     frames
 }
 
-fn said_by_ffprobe(bench: &Bench, name: &str, entries: &str) -> String {
+pub fn said_by_ffprobe(bench: &Bench, name: &str, entries: &str) -> String {
     let output = Command::new("ffprobe")
         .args(["-v", "error", "-of", "csv=p=0", "-show_entries", entries, name])
         .current_dir(bench.folder.path())

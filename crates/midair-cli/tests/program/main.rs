@@ -6,6 +6,8 @@ mod check;
 mod compensate;
 mod delivery;
 mod evaluate;
+mod files;
+mod films;
 mod map;
 mod measure;
 mod plate;

@@ -6,7 +6,8 @@ use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 
 use super::{LineChart, VectorChart, html};
-use midair::map::format::{FileError, write_bytes_atomically};
+use midair::files::write_bytes_atomically;
+use midair::map::format::FileError;
 use midair::picture::{Picture, srgb};
 
 /// A page: its title, what it found in a few rows, and how.

@@ -105,8 +105,18 @@ impl Source<'_> {
         let malformed = |error: csv::Error| {
             self.wrong(error.position().map_or(1, csv::Position::line), error.to_string())
         };
-        let mut reader =
-            csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(csv);
+        let mut text = Vec::new();
+        let mut csv = csv;
+        csv.read_to_end(&mut text).map_err(|source| {
+            let (what, file) = (self.what, self.file.to_owned());
+            TableError::File { what, file, source }
+        })?;
+        let separator = separator(&text);
+        let mut reader = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .comment(Some(b'#'))
+            .delimiter(separator)
+            .from_reader(&text[..]);
         let header = reader.headers().map_err(malformed)?.clone();
         let names: Vec<String> =
             header.iter().map(|name| name.trim_start_matches('\u{feff}').to_lowercase()).collect();
@@ -134,7 +144,11 @@ impl Source<'_> {
             let value = |(column, &place): (&Column, &usize)| {
                 let text = record.get(place).unwrap_or_default();
                 let [low, high] = column.range;
-                let value = text.parse().ok();
+                // Where semicolons separate, a comma may be the decimal sign.
+                let value = match separator {
+                    b',' => text.parse().ok(),
+                    _ => text.replace(',', ".").parse().ok(),
+                };
                 value.filter(|v: &f64| v.is_finite() && (low..=high).contains(v)).ok_or_else(|| {
                     let Column { name, allowed, .. } = column;
                     self.wrong(line, format!("{name} is `{text}`, but must be {allowed}"))
@@ -147,6 +161,17 @@ impl Source<'_> {
     }
 }
 
+/// What separates the columns: what the header's names have between them, a comma, or the semicolon or tab of spreadsheets in countries where the
+/// comma is the decimal sign.
+fn separator(text: &[u8]) -> u8 {
+    let mut lines = text.split(|&byte| byte == b'\n');
+    let header = lines.find(|line| !line.starts_with(b"#") && !line.trim_ascii().is_empty());
+    let count = |separator: u8| {
+        header.map_or(0, |line| line.iter().filter(|&&byte| byte == separator).count())
+    };
+    [b';', b'\t'].into_iter().find(|&other| count(other) > count(b',')).unwrap_or(b',')
+}
+
 /// `ys` at `x` between the points of ascending `xs`, the first of equal ones; the outermost ones go on beyond.
 pub(super) fn interpolate(xs: &[f64], ys: &[f64], x: f64) -> f64 {
     let above = xs.partition_point(|&known| known < x);
@@ -157,5 +182,28 @@ pub(super) fn interpolate(xs: &[f64], ys: &[f64], x: f64) -> f64 {
             let share = (x - xs[below]) / (xs[above] - xs[below]);
             ys[below] + share * (ys[above] - ys[below])
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spreadsheets_of_all_countries_are_read() {
+        const FORM: &[Column] = &[Column::amount("angle"), Column::amount("radiance")];
+        let source = Source { what: "table", file: Path::new("a.csv") };
+        for text in [
+            "angle,radiance\n0,1\n30.5,0.25\n",
+            "# measured\n\u{feff}Angle;Radiance\r\n0;1\r\n30,5;0,25\r\n",
+            "angle;radiance\n0;1\n30.5;0.25\n",
+            "radiance\tangle\n1\t0\n0,25\t30,5\n",
+        ] {
+            let (_, rows) = source.rows(text.as_bytes(), &[FORM]).unwrap();
+            let values: Vec<&[f64]> = rows.iter().map(|row| &row.values[..]).collect();
+            assert_eq!(values, [[0.0, 1.0], [30.5, 0.25]], "{text:?}");
+        }
+        let wrong = source.rows(&b"angle,radiance\n0;1\n"[..], &[FORM]).err().unwrap();
+        assert!(wrong.to_string().contains("line 2"), "{wrong}");
     }
 }

@@ -1,25 +1,34 @@
 //! Pictures in linear light, and applying a map to stills and frames.
 
 mod brightness;
+pub mod colour;
 mod curve;
 mod interpolate;
+mod jpeg;
 mod linear;
 pub mod optimal;
+mod over_black;
+mod profile;
+mod raster;
 mod resample;
 mod screen;
 mod sequence;
 mod still;
 mod warp;
+pub mod wide;
 
 pub use crate::map::format::FileError;
 pub use crate::optics::srgb;
 pub use brightness::{Evened, Evening, Overflow, even_out};
 pub use curve::Curve;
 pub use linear::Picture;
+pub use over_black::OverBlack;
 pub use resample::{display_image, display_image_by_colour};
 pub use screen::{Driven, drive, emitted};
 pub use sequence::Sequence;
-pub use still::{Depth, Still, decode_still, read_still, write_still};
+pub use still::{
+    Depth, READ, Still, decode_still, encode_still, is_picture_name, read_still, write_still,
+};
 pub use warp::{
     DeepScratch, Drive, Filter, FixedPoint, FrameEvening, HEADROOM, LightFrame, NO_TAP, Warp,
     WarpError,

@@ -16,14 +16,25 @@ impl Sequence {
     /// The pattern that a path is; `None` if it holds no number.
     pub fn of_path(path: &Path) -> Option<Self> {
         let name = path.file_name()?.to_str()?;
-        let (before, rest) = name.split_once('%')?;
+        // Two of them stand for a percent sign, as ffmpeg has it.
+        let at = name.match_indices('%').map(|(at, _)| at);
+        let mut escaped = None;
+        let at = at.filter(|&at| {
+            let second = escaped == Some(at);
+            escaped = (!second && name[at + 1..].starts_with('%')).then_some(at + 1);
+            !second && escaped.is_none()
+        });
+        let at = at.collect::<Vec<_>>().first().copied()?;
+        let (before, rest) = (&name[..at], &name[at + 1..]);
         let (width, after) = rest.split_once('d')?;
+        let plain = |text: &str| text.replace("%%", "%");
+        let (before, after) = (plain(before), plain(after));
         let width = match width {
             "" => 0,
             _ => width.strip_prefix('0')?.parse().ok().filter(|width| (1..=18).contains(width))?,
         };
         let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
-        Some(Self { folder, before: before.to_owned(), width, after: after.to_owned() })
+        Some(Self { folder, before, width, after })
     }
 
     /// The folder that the files lie in.
@@ -86,7 +97,9 @@ mod tests {
         assert_eq!(sequence.file(12), Path::new("a/f-0012.png"));
         assert_eq!(sequence.file(123_456), Path::new("a/f-123456.png"));
         assert_eq!(Sequence::of_path(Path::new("%d.exr")).unwrap().file(7), Path::new("7.exr"));
-        for name in ["a.png", "100%.png", "%4d.png", "%x.png", "a/%s.png"] {
+        let percent = Sequence::of_path(Path::new("100%%-%02d%%.png")).unwrap();
+        assert_eq!(percent.file(7), Path::new("100%-07%.png"));
+        for name in ["a.png", "100%.png", "100%%d.png", "%4d.png", "%x.png", "a/%s.png"] {
             assert!(Sequence::of_path(Path::new(name)).is_none(), "{name}");
         }
     }

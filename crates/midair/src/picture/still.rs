@@ -1,8 +1,12 @@
-//! Stills from and to files: PNG, JPEG and OpenEXR.
+//! Stills from and to files.
 
-use super::{Picture, srgb};
-use crate::map::format::{FileError, decode_channels, decode_samples, write_channels, write_png};
-use image::{DynamicImage, ExtendedColorType, ImageFormat};
+use super::colour::Primaries;
+use super::{Picture, raster, srgb};
+use crate::files::write_bytes_atomically;
+use crate::map::format::{
+    ExrFile, FileError, PictureChannels, encode_channels, encode_png, read_picture,
+};
+use image::ExtendedColorType;
 use rayon::prelude::*;
 use std::path::Path;
 
@@ -29,11 +33,23 @@ pub struct Still {
     pub notes: Vec<String>,
 }
 
-/// Reads a PNG, JPEG or OpenEXR file; the content decides which, not the name.
+/// The kinds of picture that are read, for messages.
+pub const READ: &str = "PNG, JPEG, TIFF, WebP, BMP or OpenEXR";
+
+/// Whether a file's name is that of a picture of a kind that is read.
+pub fn is_picture_name(path: &Path) -> bool {
+    const ENDINGS: [&str; 8] = ["png", "jpg", "jpeg", "tif", "tiff", "webp", "bmp", "exr"];
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    ENDINGS.iter().any(|known| extension.eq_ignore_ascii_case(known))
+}
+
+/// Reads a PNG, JPEG, TIFF, WebP, BMP or OpenEXR file; the content decides which, not the name.
 ///
-/// PNG and JPEG are taken as sRGB whatever colour profile they carry (a note says so), EXR as
-/// linear light with sRGB primaries. EXR samples that are negative or not finite become 0, and a
-/// note counts them. A JPEG's or PNG's EXIF orientation is applied.
+/// Colours are converted to sRGB's primaries and to linear light: by the file's ICC profile, by PNG's cICP, gAMA and cHRM, by OpenEXR's
+/// chromaticities, else codes are taken as sRGB and floats as light with sRGB's primaries. PQ and HLG are brought into a display's range as
+/// [`wide`](super::wide) says. A note tells what was converted, and what could not be. The first picture of an OpenEXR file is read: plain R, G and B
+/// (or Y alone), else the one layer that holds them. OpenEXR samples that are negative or not finite become 0, and a
+/// note counts them. An EXIF orientation is applied.
 ///
 /// # Errors
 /// [`FileError`] where the file cannot be read, is of no known kind, cut short or damaged, has no
@@ -55,102 +71,80 @@ pub fn decode_still(path: &Path, bytes: &[u8]) -> Result<Still, FileError> {
     if bytes.starts_with(&EXR_MAGIC) {
         return decode_exr(path, bytes);
     }
-    match image::guess_format(bytes) {
-        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => decode_srgb(path, bytes, format),
-        _ => Err(FileError::malformed(
+    match raster::kind(bytes) {
+        Some(format) => raster::decode(path, bytes, format),
+        None => Err(FileError::malformed(
             path,
             "start",
-            "this is not a PNG, JPEG or OpenEXR picture",
+            format!("this is not a {READ} picture"),
             "convert it to one of them",
         )),
     }
 }
 
-fn decode_srgb(path: &Path, bytes: &[u8], format: ImageFormat) -> Result<Still, FileError> {
-    let (image, notes) = decode_samples(path, bytes, format)?;
-    let depth = match image.color().bytes_per_pixel() / image.color().channel_count() {
-        1 => Depth::Eight,
-        _ => Depth::Sixteen,
-    };
-    Ok(Still { picture: linearise(image), depth, notes })
-}
-
-/// Decodes sRGB codes of 8 or 16 bits and premultiplies.
-fn linearise(image: DynamicImage) -> Picture {
-    let (width, height) = (image.width() as usize, image.height() as usize);
-    let pixels = match image {
-        DynamicImage::ImageLuma8(image) => spread(&image, |&[y]| grey(srgb::decode_8(y), 1.0)),
-        DynamicImage::ImageLumaA8(image) => {
-            spread(&image, |&[y, a]| grey(srgb::decode_8(y), f32::from(a) / 255.0))
-        }
-        DynamicImage::ImageRgb8(image) => {
-            spread(&image, |c: &[u8; 3]| premultiply(c.map(srgb::decode_8), 1.0))
-        }
-        DynamicImage::ImageRgba8(image) => spread(&image, |&[r, g, b, a]| {
-            premultiply([r, g, b].map(srgb::decode_8), f32::from(a) / 255.0)
-        }),
-        // 16 bits, whatever the channels.
-        other => spread(&other.into_rgba16(), |&[r, g, b, a]| {
-            premultiply([r, g, b].map(srgb::decode_16), f32::from(a) / 65535.0)
-        }),
-    };
-    Picture { width, height, pixels }
-}
-
-fn spread<T: Sync, const N: usize>(
-    samples: &[T],
-    pixel: impl Fn(&[T; N]) -> [f32; 4] + Send + Sync,
-) -> Vec<[f32; 4]> {
-    samples.as_chunks::<N>().0.par_iter().with_min_len(1 << 14).map(pixel).collect()
-}
-
-fn grey(value: f32, alpha: f32) -> [f32; 4] {
-    premultiply([value; 3], alpha)
-}
-
-fn premultiply([r, g, b]: [f32; 3], alpha: f32) -> [f32; 4] {
-    [r * alpha, g * alpha, b * alpha, alpha]
-}
-
 fn decode_exr(path: &Path, bytes: &[u8]) -> Result<Still, FileError> {
-    let file = decode_channels(path, bytes, 0.0)?;
-    let grey = file.get("Y");
-    let channel = |name: &str| {
-        file.get(name).or(grey).ok_or_else(|| {
-            FileError::malformed(
-                path,
-                format!("channel {name}"),
-                format!("it is missing; the file has {}", file.names()),
-                "export R, G and B (or Y) in the first layer, without subsampled chroma",
-            )
-        })
-    };
-    let (red, green, blue) = (channel("R")?, channel("G")?, channel("B")?);
-    let alpha = file.get("A");
-    let mut mended = 0usize;
-    let mut light = |value: f32| {
-        if value.is_finite() && value >= 0.0 {
-            value
-        } else {
-            mended += 1;
-            0.0
-        }
-    };
+    let file = ExrFile::open(path, bytes)?;
+    let PictureChannels { channels, colours, alpha, layer } = read_picture(path, &file)?;
+    let [red, green, blue] = colours.map(|name| channels.get(&name).unwrap_or_default());
+    let alpha = alpha.as_ref().and_then(|name| channels.get(name));
+    let told = file.chromaticities().map(|[red, green, blue, white]| Primaries {
+        red,
+        green,
+        blue,
+        white,
+    });
+    let told = told.filter(|told| !told.is_srgb());
+    let matrix = told.and_then(|told| told.to_srgb());
+    let (mut mended, mut outside) = (0usize, 0usize);
     // EXR colours are premultiplied by the format's own rule.
-    let pixels = (0..file.width * file.height)
+    let pixels = (0..channels.width * channels.height)
         .map(|i| {
-            let alpha = alpha.map_or(1.0, |alpha| light(alpha[i]).min(1.0));
-            [light(red[i]), light(green[i]), light(blue[i]), alpha]
+            let mut sound = |value: f32| {
+                if value.is_finite() && value >= 0.0 {
+                    value
+                } else {
+                    mended += 1;
+                    0.0
+                }
+            };
+            let alpha = alpha.map_or(1.0, |alpha| sound(alpha[i]).min(1.0));
+            let light = [red[i], green[i], blue[i]];
+            let [r, g, b] = match &matrix {
+                // Colours beyond the file's own primaries may be within sRGB's.
+                Some(matrix) if light.iter().all(|light| light.is_finite()) => {
+                    let seen = matrix.apply(light);
+                    // Roundings of a matrix of floats are no colours outside.
+                    let most = seen.iter().copied().fold(0.0, f32::max);
+                    outside += usize::from(seen.iter().any(|&light| light < -1e-4 * most));
+                    seen.map(|light| light.max(0.0))
+                }
+                _ => light.map(sound),
+            };
+            [r, g, b, alpha]
         })
         .collect();
     let mut notes = Vec::new();
-    if mended > 0 {
-        notes.push(format!(
-            "{}: {mended} samples are negative or not finite and are taken as 0",
-            path.display()
-        ));
+    let mut note = |text: String| notes.push(format!("{}: {text}", path.display()));
+    if let Some(layer) = layer {
+        note(format!("the picture is read from its layer {layer}"));
     }
-    let picture = Picture { width: file.width, height: file.height, pixels };
+    match (told, &matrix) {
+        (Some(_), Some(_)) => {
+            let more = match outside {
+                0 => String::new(),
+                n => format!("; {n} pixels lie outside them and are taken at their edge"),
+            };
+            note(format!("its primaries (chromaticities) are converted to those of sRGB{more}"));
+        }
+        (Some(_), None) => {
+            note("its chromaticities span no colours and are passed over".to_owned());
+        }
+        _ => {}
+    }
+    if mended > 0 {
+        note(format!("{mended} samples are negative or not finite and are taken as 0"));
+    }
+    let picture = Picture { width: channels.width, height: channels.height, pixels };
     Ok(Still { picture, depth: Depth::Float, notes })
 }
 
@@ -162,17 +156,25 @@ fn decode_exr(path: &Path, bytes: &[u8]) -> Result<Still, FileError> {
 /// [`FileError::Unsupported`] for another name or an empty picture; [`FileError::Io`] where the
 /// file cannot be written. In either case no file is left behind.
 pub fn write_still(path: &Path, picture: &Picture, depth: Depth) -> Result<(), FileError> {
+    write_bytes_atomically(path, &encode_still(path, picture, depth)?)
+}
+
+/// As [`write_still`], into memory: the bytes of a file that is called `path`.
+///
+/// # Errors
+/// [`FileError::Unsupported`] as [`write_still`].
+pub fn encode_still(path: &Path, picture: &Picture, depth: Depth) -> Result<Vec<u8>, FileError> {
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     if extension.eq_ignore_ascii_case("exr") {
         let channel = |c: usize| picture.pixels.iter().map(|pixel| pixel[c]).collect();
         let channels = vec![("R", channel(0)), ("G", channel(1)), ("B", channel(2))];
-        return write_channels(path, picture.width, picture.height, channels, false);
+        return encode_channels(path, picture.width, picture.height, channels, false);
     }
     if !extension.eq_ignore_ascii_case("png") {
         let problem = "pictures are written as PNG or OpenEXR";
         return Err(FileError::unsupported(path, problem, "end the name in .png or .exr"));
     }
-    let (bytes, colour): (Vec<u8>, _) = if depth == Depth::Eight {
+    let (codes, colour): (Vec<u8>, _) = if depth == Depth::Eight {
         let codes = picture.pixels.par_iter().with_min_len(1 << 14);
         let codes = codes.map(|&[r, g, b, _]| [r, g, b].map(srgb::encode_8));
         (codes.collect::<Vec<_>>().into_flattened(), ExtendedColorType::Rgb8)
@@ -184,13 +186,20 @@ pub fn write_still(path: &Path, picture: &Picture, depth: Depth) -> Result<(), F
         });
         (codes.flatten_iter().collect(), ExtendedColorType::Rgb16)
     };
-    write_png(path, (picture.width, picture.height), &bytes, colour)
+    let mut bytes = Vec::new();
+    encode_png(&mut bytes, path, (picture.width, picture.height), &codes, colour)?;
+    Ok(bytes)
 }
+
+#[cfg(test)]
+#[path = "still_colours.rs"]
+mod colours;
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use image::ImageBuffer;
+    use crate::map::format::write_channels;
+    use image::{DynamicImage, ImageBuffer, ImageFormat};
     use proptest::prelude::*;
     use std::io::Cursor;
     use std::path::PathBuf;
@@ -328,7 +337,7 @@ mod tests {
         check(&png[..png.len() / 2], &["picture.png", "pixels", "export it again"]);
         check(&png[..20], &["picture.png", "header"]);
         check(b"", &["picture.png", "empty"]);
-        check(b"GIF89a and more", &["picture.png", "not a PNG"]);
+        check(b"GIF89a and more", &["picture.png", "not a PNG", "TIFF"]);
         // IHDR of 2^31 - 1 squared pixels and of none (with a checksum that the decoder may doubt).
         for size in [0x7fff_ffffu32, 0] {
             let mut hostile = png.clone();

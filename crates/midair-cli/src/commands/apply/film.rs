@@ -2,16 +2,19 @@
 
 use super::Arguments;
 use super::frames::{Frame, Frames, WAITING};
-use super::parts::{Job, Piece, extension, in_a_row};
+use super::parts::{self, Piece, extension, in_a_row};
 use super::warper::{Warper, picture};
 use crate::failure::Failure;
+use crate::output::inputs;
 use crate::progress::Bar;
 use crate::summary::{Voice, milliseconds};
 use midair::Monitor as _;
 use midair::map::Map;
 use midair::map::format::FileError;
-use midair::picture::{Curve, Depth, Evening, Sequence, read_still, write_still};
-use midair_video::{Colour, Encoder, Film, Recipe, VideoError, join, probe};
+use midair::picture::{Curve, Depth, Evening, Sequence, read_still, wide, write_still};
+use midair_video::{
+    Colour, Encoder, Extras, Film, Joining, Recipe, VideoError, join, pixel_format, probe,
+};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::mpsc::sync_channel;
@@ -23,6 +26,21 @@ pub fn of_film(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let (map, evening, mut notes) = arguments.read_map(film.size)?.for_many();
     let deep = film.deep || film.colour.curve() != Curve::Srgb;
     notes.extend(remarks(&film));
+    if is_wide(&film) {
+        notes.push(format!(
+            "{}: a wide range of light; the range is kept, the mastering display's data are not",
+            film.path.display()
+        ));
+    }
+    let extras = (!arguments.no_audio)
+        .then(|| Extras::new(&film.path, film.sounds, &film.subtitles, &arguments.output));
+    if let Some(left) = extras.as_ref().map(Extras::subtitles_left).filter(|&left| left > 0) {
+        notes.push(format!(
+            "{}: {left} of {} streams of subtitles are left out, which this kind of film cannot hold; .mkv holds them",
+            film.path.display(),
+            film.subtitles.len()
+        ));
+    }
     let work = Work {
         arguments,
         map: &map,
@@ -34,16 +52,18 @@ pub fn of_film(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         film: Some(&film),
     };
     let source = |skip: u64| Frames::of_film(&film, deep, skip);
-    let sound = (!arguments.no_audio).then_some(arguments.input.as_path());
-    work.make(film.size, source, sound, notes, voice)
+    work.make(film.size, source, extras.as_ref(), notes, voice)
 }
 
 /// A film made of numbered pictures.
 pub fn of_stills(arguments: &Arguments, from: &Sequence, voice: Voice) -> Result<(), Failure> {
     let numbers = from.numbers()?;
+    numbers.iter().for_each(|&number| inputs().add(&from.file(number)));
     let first = read_still(&from.file(numbers[0]))?;
     let size = [first.picture.width, first.picture.height];
-    let (map, evening, notes) = arguments.read_map(size)?.for_many();
+    let (map, evening, mut notes) = arguments.read_map(size)?.for_many();
+    notes.extend(first.notes);
+    notes.extend(gaps(from, &numbers));
     let deep = first.depth != Depth::Eight;
     // Rates such as 29.97 to the thousandth.
     let rate = [(arguments.rate * 1000.0).round().max(1.0) as u64, 1000];
@@ -56,6 +76,27 @@ pub fn of_stills(arguments: &Arguments, from: &Sequence, voice: Voice) -> Result
     work.make(size, source, None, notes, voice)
 }
 
+/// What is said of numbers that are missing on the way.
+fn gaps(from: &Sequence, numbers: &[u64]) -> Option<String> {
+    const NAMED: usize = 3;
+    let (first, last) = (*numbers.first()?, *numbers.last()?);
+    let missing = last - first + 1 - numbers.len() as u64;
+    if missing == 0 {
+        return None;
+    }
+    let gaps = numbers.windows(2).filter(|pair| pair[1] > pair[0] + 1);
+    let named: Vec<String> = gaps
+        .flat_map(|pair| pair[0] + 1..pair[1])
+        .take(NAMED)
+        .map(|number| from.file(number).display().to_string())
+        .collect();
+    let more = if missing > NAMED as u64 { ", ..." } else { "" };
+    Some(format!(
+        "{missing} of the pictures {first} to {last} are missing ({}{more}); the film goes on without them",
+        named.join(", ")
+    ))
+}
+
 /// Numbered pictures made of a film.
 pub fn into_stills(arguments: &Arguments, to: &Sequence, voice: Voice) -> Result<(), Failure> {
     crate::arguments::check_picture_name(&arguments.output)?;
@@ -64,12 +105,15 @@ pub fn into_stills(arguments: &Arguments, to: &Sequence, voice: Voice) -> Result
     let curve = film.colour.curve();
     let deep = film.deep || curve != Curve::Srgb;
     notes.extend(remarks(&film));
+    notes.extend(colour_remark(&film, &arguments.output));
     std::fs::create_dir_all(to.folder())
         .map_err(|error| FileError::io(to.folder(), "create", error))?;
-    let job = Job::of_stills(arguments, to, &map)?;
+    let job = parts::begin(arguments, &map)?;
     crate::output::on_interrupt_say("interrupted; the same command with --resume goes on");
     let mut warper = Warper::new(arguments, &map, film.size, evening, deep, curve)?;
     let frames = Frames::of_film(&film, deep, 0)?;
+    let matrix = film.colour.wide_primaries().and_then(|primaries| primaries.to_srgb());
+    let wide = is_exr(&arguments.output);
     let (start, bar) = (Instant::now(), Bar::new());
     bar.stage("frames", film.frames().unwrap_or(0).max(2) as usize);
     let (mut number, mut resumed, mut last) = (0, 0, 0.0);
@@ -83,8 +127,9 @@ pub fn into_stills(arguments: &Arguments, to: &Sequence, voice: Voice) -> Result
             continue;
         }
         let shown = warper.apply(&frame)?;
-        let picture = picture(&shown, [map.width, map.height], deep, curve);
-        write_still(&target, &picture, if deep { Depth::Sixteen } else { Depth::Eight })?;
+        let picture = picture(&shown, [map.width, map.height], deep, curve, matrix.as_ref(), wide);
+        let depth = if deep { Depth::Sixteen } else { Depth::Eight };
+        job.write(&target, |path| write_still(path, &picture, depth))?;
     }
     bar.finish();
     notes.extend(frames.end(arguments, Some(&film), number, last)?);
@@ -99,6 +144,7 @@ fn open(arguments: &Arguments) -> Result<Film, Failure> {
             "check the path; numbered pictures are named by a pattern such as frames/%04d.png",
         ));
     }
+    inputs().add(&arguments.input);
     Ok(probe(&arguments.input)?)
 }
 
@@ -109,12 +155,37 @@ fn remarks(film: &Film) -> Vec<String> {
     if film.interlaced {
         notes.push(format!("{path}: its frames are woven of two fields; they are taken apart before they are warped (yadif)"));
     }
-    if matches!(film.colour.curve(), Curve::Pq | Curve::Hlg) {
+    if film.films > 1 {
         notes.push(format!(
-            "{path}: a wide range of light; the range is kept, the mastering display's data are not"
+            "{path}: it has {} streams of moving pictures; stream {} is taken",
+            film.films, film.stream
         ));
     }
+    if film.alpha {
+        notes.push(format!("{path}: what is transparent is black"));
+    }
     notes
+}
+
+fn is_wide(film: &Film) -> bool {
+    matches!(film.colour.curve(), Curve::Pq | Curve::Hlg)
+}
+
+fn is_exr(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"))
+}
+
+/// What the user should know of a film's colours that become stills.
+fn colour_remark(film: &Film, to: &Path) -> Option<String> {
+    let path = film.path.display();
+    match film.colour.wide_primaries() {
+        _ if is_wide(film) && is_exr(to) => Some(format!(
+            "{path}: a wide range of light; it is kept, reference white (203 cd/m2) being 1, and the primaries are those of sRGB"
+        )),
+        _ if is_wide(film) => Some(format!("{path}: a wide range of light; {}", wide::SAID)),
+        Some(_) => Some(format!("{path}: its primaries are converted to those of sRGB")),
+        None => None,
+    }
 }
 
 /// A film to be made.
@@ -136,20 +207,17 @@ impl Work<'_> {
         &self,
         size: [usize; 2],
         source: impl FnOnce(u64) -> Result<Frames, Failure>,
-        sound: Option<&Path>,
+        extras: Option<&Extras>,
         mut notes: Vec<String>,
         voice: Voice,
     ) -> Result<(), Failure> {
         let arguments = self.arguments;
         let extension = extension(&arguments.output)?;
-        let target_folder = arguments.output.parent().unwrap_or(Path::new(""));
-        if !target_folder.as_os_str().is_empty() && !target_folder.is_dir() {
-            let message = format!("{}: its folder does not exist", arguments.output.display());
-            return Err(Failure::new(message, "make the folder, or choose another"));
-        }
-        let job = Job::of_film(arguments, self.map)?;
+        // Made and dropped: what cannot be written is refused before the work.
+        drop(crate::output::of_file(&arguments.output)?);
+        let job = parts::begin(arguments, self.map)?;
         crate::output::on_interrupt_say("interrupted; the same command with --resume goes on");
-        let mut pieces = job.pieces(extension);
+        let mut pieces = parts::pieces(&job, extension);
         let resumed: u64 = pieces.iter().map(|piece| piece.frames).sum();
         let mut warper = Warper::new(
             arguments,
@@ -159,6 +227,22 @@ impl Work<'_> {
             self.deep,
             self.colour.curve(),
         )?;
+        if let Some(extras) = extras {
+            extras
+                .check(&job.path(format!("trial.{extension}")))
+                .map_err(|error| self.join_failed(error))?;
+        }
+        let usual = Recipe {
+            size: [self.map.width, self.map.height],
+            deep: self.deep,
+            rate: self.rate,
+            colour: self.colour,
+            base: [self.rate[1].max(1), self.rate[0].max(1)],
+            options: &arguments.encoder,
+            format: None,
+        };
+        let format = pixel_format(&job.path(format!("trial.{extension}")), &usual)
+            .map_err(|error| self.encoder_failed(error))?;
         let frames = source(resumed)?;
         let (start, bar) = (Instant::now(), Bar::new());
         let left = self.total.map_or(0, |total| total.saturating_sub(resumed));
@@ -169,14 +253,7 @@ impl Work<'_> {
             let (begin, base) = (timing.seconds(), timing.base);
             let index = pieces.len();
             let making = job.path(&Piece::names(index, extension)[0]);
-            let recipe = Recipe {
-                size: [self.map.width, self.map.height],
-                deep: self.deep,
-                rate: self.rate,
-                colour: self.colour,
-                base,
-                options: &arguments.encoder,
-            };
+            let recipe = Recipe { base, format: Some(&format), ..usual.clone() };
             let mut encoder = Encoder::new(&making, &recipe)?;
             // Encoding goes on while the next frame is warped.
             let (sender, warped) = sync_channel::<Frame>(WAITING);
@@ -211,12 +288,26 @@ impl Work<'_> {
         notes.extend(frames.end(arguments, self.film, count, last)?);
         let joined = job.path(&format!("joined.{extension}"));
         let begin = pieces.first().map_or(0.0, |piece| piece.start);
-        join(&in_a_row(&pieces), begin, sound, &job.path("pieces.txt"), &joined)
+        let parts = in_a_row(&pieces);
+        // Where all was made before, the last piece's beginning is all that is known of its end.
+        let last = if last.is_finite() { last } else { pieces.last().map_or(0.0, |p| p.start) };
+        let end = self.end(last);
+        let joining = Joining { parts: &parts, start: begin, last, end, frames: count, extras };
+        join(&joining, &job.path("pieces.txt"), &joined)
             .map_err(|error| self.join_failed(error))?;
-        std::fs::rename(&joined, &arguments.output)
-            .map_err(|error| FileError::io(&arguments.output, "write", error))?;
+        job.publish(&joined, &arguments.output)?;
         job.finish()?;
         tell(arguments, self.map, count, resumed, start.elapsed(), &notes, voice)
+    }
+
+    /// When the time of a last picture that is shown at `last` seconds is over.
+    fn end(&self, last: f64) -> f64 {
+        let [frames, seconds] = self.rate.map(|n| n as f64);
+        let usual = if frames > 0.0 { seconds / frames } else { 0.04 };
+        // Of a film that ends early the end is not known.
+        let told =
+            self.film.and_then(Film::end).filter(|&end| end > last && !self.arguments.keep_going);
+        told.unwrap_or(last + usual)
     }
 
     fn encoder_failed(&self, error: VideoError) -> Failure {

@@ -128,13 +128,17 @@ impl Frames {
 }
 
 /// What a film should have where its frames, the last one shown at `last` seconds, are far from all. Cuts at either end and roundings are
-/// usual.
+/// usual, a list of edits may show a part only, and a last picture may stand for long: so that a film that ffmpeg has no complaint about (it is
+/// `sound`) is short only where both its count and its clock say so.
 fn missing(film: &Film, count: u64, last: f64, sound: bool) -> Option<String> {
+    let early = |end: f64, length: f64| last + 0.5 + 0.02 * length < end;
     if let Some(counted) = film.counted {
-        return (count + 3 + counted / 100 < counted).then(|| counted.to_string());
+        let few = count + 3 + counted / 100 < counted;
+        let early = film.end().is_none_or(|end| early(end, end - film.start));
+        return (few && early).then(|| counted.to_string());
     }
-    // The whole file's length may be that of its sound alone, so that it says something only of a film that is
-    // damaged for certain.
-    let seconds = film.seconds.or_else(|| film.whole.filter(|_| !sound))?;
-    (last + 0.5 + 0.02 * seconds < seconds).then(|| format!("{seconds:.1} s ending at {last:.1} s"))
+    // The whole file's length may be that of its sound alone.
+    let end = film.end().or(film.whole).filter(|_| !sound)?;
+    let length = end - film.start;
+    early(end, length).then(|| format!("{length:.1} s ending at {last:.1} s"))
 }

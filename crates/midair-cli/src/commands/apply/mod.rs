@@ -6,13 +6,13 @@ mod parts;
 mod stills;
 mod warper;
 
-use crate::arguments::{GainMode, Size, map_formats};
+use crate::arguments::{GainMode, Size, map_formats, open_map};
 use crate::failure::Failure;
 use crate::summary::Voice;
 use clap::ValueEnum;
-use midair::map::format::{Format, Reading, decode_map};
+use midair::map::format::{Format, Reading};
 use midair::map::{Gain, Map};
-use midair::picture::{Evening, Filter, Sequence};
+use midair::picture::{Evening, Filter, READ, Sequence, is_picture_name};
 use std::path::{Path, PathBuf};
 
 /// Apply a map to a still, a film or numbered stills: what the display must show
@@ -29,7 +29,7 @@ use std::path::{Path, PathBuf};
 pub struct Arguments {
     /// The map
     map: PathBuf,
-    /// What the mid-air image is to show: a picture (PNG, JPEG, OpenEXR), a film (whatever ffmpeg reads), or numbered pictures
+    /// What the mid-air image is to show: a picture (PNG, JPEG, TIFF, WebP, BMP, OpenEXR), a film (whatever ffmpeg reads), or numbered pictures
     /// (frames/%04d.png)
     #[arg(value_name = "IN")]
     input: PathBuf,
@@ -97,8 +97,8 @@ impl Arguments {
     fn read_map(&self, size: [usize; 2]) -> Result<Ready, Failure> {
         let size = self.source.map_or(size, |Size(size)| size);
         let region = self.region.as_deref();
-        let reading = Reading { format: self.from, source: Some(size), region };
-        let loaded = decode_map(&self.map, &|file| std::fs::read(file), &reading)?;
+        let loaded =
+            open_map(&self.map, &Reading { format: self.from, source: Some(size), region })?;
         let gain = match loaded.gain {
             None if self.gain.is_some() => {
                 return Err(Failure::new(
@@ -154,15 +154,71 @@ enum Kind {
 
 impl Kind {
     fn of(path: &Path) -> Self {
-        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
-        let still =
-            ["png", "jpg", "jpeg", "exr"].iter().any(|known| extension.eq_ignore_ascii_case(known));
+        let still = is_picture_name(path);
         match Sequence::of_path(path) {
             Some(sequence) if still && !path.exists() => Self::Stills(sequence),
             _ if still => Self::Still,
             _ => Self::Film,
         }
     }
+}
+
+/// Kinds of picture that are not read, by the ends of their names, and that ffmpeg would take for short films.
+const OTHER_PICTURES: [&str; 24] = [
+    "heic", "heif", "avif", "jxl", "jp2", "j2k", "psd", "psb", "svg", "hdr", "pfm", "tga", "dds",
+    "ico", "pcx", "ppm", "pgm", "pnm", "dpx", "cin", "dng", "cr2", "nef", "arw",
+];
+
+/// Refuses an input that is not there, or is a picture of another kind.
+fn check_input(path: &Path) -> Result<(), Failure> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
+    if matches!(Kind::of(path), Kind::Stills(_)) {
+        return Ok(());
+    }
+    if !path.is_file() {
+        let help = match pattern_meant(path) {
+            Some(meant) => format!("numbered pictures are named {}", meant.display()),
+            None => {
+                "check the path; numbered pictures are named by a pattern such as frames/%04d.png"
+                    .to_owned()
+            }
+        };
+        return Err(Failure::new(format!("{}: there is no such file", path.display()), help));
+    }
+    if OTHER_PICTURES.iter().any(|other| extension.eq_ignore_ascii_case(other)) {
+        return Err(Failure::new(
+            format!("{}: this is not a {READ} picture", path.display()),
+            "convert it to one of them",
+        ));
+    }
+    Ok(())
+}
+
+/// The pattern that another tool's way of naming numbered pictures stands for: `f####.png`, `f@@@@.png`, `f%4d.png`, `f$F4.png`, `f*.png`,
+/// `f[0001-0100].png`.
+fn pattern_meant(path: &Path) -> Option<PathBuf> {
+    let name = path.file_name()?.to_str()?;
+    let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
+    let (at, length, width) = if let Some(at) = name.find(['#', '@']) {
+        let run = name[at..].bytes().take_while(|&byte| byte == name.as_bytes()[at]).count();
+        (at, run, run)
+    } else if let Some(at) = name.find('%') {
+        let width = digits(&name[at + 1..]);
+        if !name[at + 1 + width..].starts_with('d') {
+            return None;
+        }
+        (at, width + 2, name[at + 1..at + 1 + width].parse().unwrap_or(4))
+    } else if let Some(at) = name.find("$F") {
+        let width = digits(&name[at + 2..]);
+        (at, 2 + width, name[at + 2..at + 2 + width].parse().unwrap_or(1))
+    } else if let Some(at) = name.find('[') {
+        let length = name[at..].find(']')? + 1;
+        (at, length, digits(&name[at + 1..]).max(1))
+    } else {
+        (name.find(['*', '?'])?, 1, 4)
+    };
+    let name = format!("{}%{width:02}d{}", &name[..at], &name[at + length..]);
+    Some(path.with_file_name(name))
 }
 
 pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
@@ -173,6 +229,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     if arguments.input == arguments.output {
         return mismatch("this is the input as well", "give the output another name");
     }
+    check_input(&arguments.input)?;
     match (Kind::of(&arguments.input), Kind::of(&arguments.output)) {
         (Kind::Still, Kind::Still) => stills::one(arguments, voice),
         (Kind::Still, _) => mismatch("one picture makes one picture", "name a .png or .exr file"),
@@ -190,6 +247,22 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn other_tools_patterns_are_understood() {
+        for (given, meant) in [
+            ("a/f####.png", "a/f%04d.png"),
+            ("f@@@.exr", "f%03d.exr"),
+            ("f%4d.png", "f%04d.png"),
+            ("f.$F4.exr", "f.%04d.exr"),
+            ("f*.png", "f%04d.png"),
+            ("f[0001-0100].png", "f%04d.png"),
+        ] {
+            assert_eq!(pattern_meant(given.as_ref()).as_deref(), Some(meant.as_ref()), "{given}");
+        }
+        assert_eq!(pattern_meant("nosuch.png".as_ref()), None);
+        assert_eq!(pattern_meant("100%.png".as_ref()), None);
+    }
 
     #[test]
     fn kinds_are_told_by_names() {

@@ -3,88 +3,24 @@
 use super::Arguments;
 use crate::arguments::GainMode;
 use crate::failure::Failure;
+use crate::output::inputs;
+use midair::files::{Kept, write_bytes_atomically};
 use midair::map::Map;
-use midair::map::format::{FileError, write_bytes_atomically};
-use midair::picture::Sequence;
+use midair::map::format::FileError;
 use midair_video::Part;
 use serde_json::{Value, json};
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::path::{Path, PathBuf};
 
-/// A folder of pieces beside what they will become, with a file that says what they are pieces of.
-#[derive(Debug)]
-pub struct Job {
-    folder: PathBuf,
-    record: PathBuf,
-    /// Whether an interrupted run of the same work is gone on with.
-    pub resumed: bool,
-    own_folder: bool,
+/// Begins work on a film or on numbered pictures, or goes on with it.
+pub fn begin(arguments: &Arguments, map: &Map) -> Result<Kept, Failure> {
+    let work = format!("{:#}\n", description(arguments, map));
+    Ok(Kept::begin(&arguments.output, &work, arguments.resume, inputs())?)
 }
 
-impl Job {
-    /// Pieces of a film.
-    pub fn of_film(arguments: &Arguments, map: &Map) -> Result<Self, Failure> {
-        let name = arguments.output.file_name().unwrap_or_default().to_string_lossy();
-        let folder = arguments.output.with_file_name(format!(".{name}.midair-pieces"));
-        Self::begin(folder.clone(), folder.join("work.json"), arguments, map, true)
-    }
-
-    /// Numbered pictures, which are pieces themselves.
-    pub fn of_stills(arguments: &Arguments, to: &Sequence, map: &Map) -> Result<Self, Failure> {
-        let folder = to.folder().to_owned();
-        Self::begin(folder.clone(), folder.join(".midair-work.json"), arguments, map, false)
-    }
-
-    fn begin(
-        folder: PathBuf,
-        record: PathBuf,
-        arguments: &Arguments,
-        map: &Map,
-        own_folder: bool,
-    ) -> Result<Self, Failure> {
-        let work = description(arguments, map);
-        let known = std::fs::read(&record).ok();
-        let known: Option<Value> = known.and_then(|bytes| serde_json::from_slice(&bytes).ok());
-        let resumed = arguments.resume && known.as_ref() == Some(&work);
-        if arguments.resume && !resumed {
-            let (message, help) = match known {
-                None => ("there is nothing to go on with", "leave --resume out to begin"),
-                Some(_) => (
-                    "what was interrupted was other work: the map, the input or an option has changed",
-                    "give the same command again, or leave --resume out to begin anew",
-                ),
-            };
-            return Err(Failure::new(format!("{}: {message}", arguments.output.display()), help));
-        }
-        let create = |error| FileError::io(&folder, "create", error);
-        if own_folder && !resumed {
-            if folder.exists() {
-                std::fs::remove_dir_all(&folder).map_err(create)?;
-            }
-            std::fs::create_dir(&folder).map_err(create)?;
-        }
-        write_bytes_atomically(&record, format!("{work:#}\n").as_bytes())?;
-        Ok(Self { folder, record, resumed, own_folder })
-    }
-
-    /// A file among the pieces.
-    pub fn path(&self, name: &str) -> PathBuf {
-        self.folder.join(name)
-    }
-
-    /// The pieces that are complete, from the first on without a gap.
-    pub fn pieces(&self, extension: &str) -> Vec<Piece> {
-        (0..).map_while(|index| Piece::read(self, index, extension)).collect()
-    }
-
-    /// The work is done: the record (and the folder of pieces) goes.
-    pub fn finish(self) -> Result<(), Failure> {
-        let removed = match self.own_folder {
-            true => std::fs::remove_dir_all(&self.folder),
-            false => std::fs::remove_file(&self.record),
-        };
-        Ok(removed.map_err(|error| FileError::io(&self.record, "remove", error))?)
-    }
+/// The pieces of a film that are complete, from the first on without a gap.
+pub fn pieces(kept: &Kept, extension: &str) -> Vec<Piece> {
+    (0..).map_while(|index| Piece::read(kept, index, extension)).collect()
 }
 
 /// What makes two runs the same work.
@@ -133,28 +69,28 @@ impl Piece {
         ]
     }
 
-    fn read(job: &Job, index: usize, extension: &str) -> Option<Self> {
+    fn read(kept: &Kept, index: usize, extension: &str) -> Option<Self> {
         let [_, name, note] = Self::names(index, extension);
-        let note: Value = serde_json::from_slice(&std::fs::read(job.path(&note)).ok()?).ok()?;
-        let path = job.path(&name);
+        let note: Value = serde_json::from_slice(&std::fs::read(kept.path(&note)).ok()?).ok()?;
+        let path = kept.path(&name);
         let (frames, start) = (note["frames"].as_u64()?, note["start"].as_f64()?);
         path.is_file().then_some(Self { path, frames, start })
     }
 
     /// Gives a complete piece its name, and notes that it is complete.
     pub fn keep(
-        job: &Job,
+        kept: &Kept,
         index: usize,
         extension: &str,
         frames: u64,
         start: f64,
     ) -> Result<Self, Failure> {
         let [making, name, note] = Self::names(index, extension);
-        let path = job.path(&name);
-        std::fs::rename(job.path(&making), &path)
+        let path = kept.path(&name);
+        std::fs::rename(kept.path(&making), &path)
             .map_err(|error| FileError::io(&path, "write", error))?;
         let told = json!({ "frames": frames, "start": start });
-        write_bytes_atomically(&job.path(&note), told.to_string().as_bytes())?;
+        write_bytes_atomically(&kept.path(&note), told.to_string().as_bytes())?;
         Ok(Self { path, frames, start })
     }
 }

@@ -1,10 +1,10 @@
 //! Pictures to pictures.
 
-use super::parts::Job;
+use super::parts;
 use super::{Arguments, Ready, evened};
 use crate::arguments::{check_picture_name, open_picture};
 use crate::failure::Failure;
-use crate::output::Output;
+use crate::output::inputs;
 use crate::progress::Bar;
 use crate::summary::{Voice, milliseconds, paths, wrote};
 use midair::Monitor as _;
@@ -21,7 +21,7 @@ pub fn one(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let Ready { map, gain, notes: more } =
         arguments.read_map([still.picture.width, still.picture.height])?;
     notes.extend(more);
-    let (mut output, name) = Output::of_file(&arguments.output)?;
+    let (mut output, name) = crate::output::of_file(&arguments.output)?;
     let start = Instant::now();
     let depth = depth_for(&arguments.output, still.depth);
     let mut shown = display_image(&still.picture, &map);
@@ -64,13 +64,16 @@ pub fn each(
 ) -> Result<(), Failure> {
     check_picture_name(&arguments.output)?;
     let numbers = from.numbers()?;
-    let first = read_still(&from.file(numbers[0]))?.picture;
-    let size = [first.width, first.height];
+    numbers.iter().for_each(|&number| inputs().add(&from.file(number)));
+    let first = read_still(&from.file(numbers[0]))?;
+    let size = [first.picture.width, first.picture.height];
     // All at one level, as a film's.
     let (map, evening, mut notes) = arguments.read_map(size)?.for_many();
+    notes.extend(first.notes);
     std::fs::create_dir_all(to.folder())
         .map_err(|error| midair::map::format::FileError::io(to.folder(), "create", error))?;
-    let job = Job::of_stills(arguments, to, &map)?;
+    let job = parts::begin(arguments, &map)?;
+    numbers.iter().try_for_each(|&number| job.claim(&to.file(number)))?;
     // A file is whole or absent, so what is there is done.
     let done = |number: &u64| job.resumed && to.file(*number).is_file();
     let todo: Vec<u64> = numbers.iter().copied().filter(|number| !done(number)).collect();
@@ -92,7 +95,8 @@ pub fn each(
         if let Some(evening) = &evening {
             evening.apply(&mut shown);
         }
-        write_still(&target, &shown, depth_for(&target, still.depth))?;
+        let depth = depth_for(&target, still.depth);
+        job.write(&target, |path| write_still(path, &shown, depth))?;
         bar.advance(1);
     }
     bar.finish();

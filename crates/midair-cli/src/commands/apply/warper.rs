@@ -3,8 +3,9 @@
 use super::Arguments;
 use crate::failure::Failure;
 use midair::map::Map;
+use midair::picture::colour::ToSrgb;
 use midair::picture::{
-    Curve, DeepScratch, Drive, Evening, LightFrame, Picture, Warp, WarpError, srgb,
+    Curve, DeepScratch, Drive, Evening, LightFrame, Picture, Warp, WarpError, srgb, wide,
 };
 
 /// A map made ready, and how its frames are coded.
@@ -63,19 +64,40 @@ fn unfit(error: WarpError) -> Failure {
     )
 }
 
-/// A frame as a picture in linear light.
-pub fn picture(frame: &[u8], [width, height]: [usize; 2], deep: bool, curve: Curve) -> Picture {
+/// A frame as a picture in linear light with sRGB's primaries, to which `matrix` leads. Light of a wide range is brought into a display's, unless
+/// `whole` asks for all of it.
+pub fn picture(
+    frame: &[u8],
+    [width, height]: [usize; 2],
+    deep: bool,
+    curve: Curve,
+    matrix: Option<&ToSrgb>,
+    whole: bool,
+) -> Picture {
     let mut picture = Picture::filled(width, height, [0.0, 0.0, 0.0, 1.0]);
+    let is_wide = matches!(curve, Curve::Pq | Curve::Hlg);
+    let table: Vec<f32> = match deep {
+        true => (0..=u16::MAX).map(|c| curve.decode(f64::from(c) / 65535.0) as f32).collect(),
+        false => (0..=u8::MAX).map(srgb::decode_8).collect(),
+    };
     for (i, pixel) in picture.pixels.iter_mut().enumerate() {
-        for c in 0..3 {
+        let light: [f32; 3] = std::array::from_fn(|c| {
             let at = 3 * i + c;
-            pixel[c] = if deep {
-                let code = u16::from_le_bytes([frame[2 * at], frame[2 * at + 1]]);
-                curve.decode(f64::from(code) / 65535.0) as f32
-            } else {
-                srgb::decode_8(frame[at])
-            };
-        }
+            table[match deep {
+                true => usize::from(u16::from_le_bytes([frame[2 * at], frame[2 * at + 1]])),
+                false => usize::from(frame[at]),
+            }]
+        });
+        let light = match is_wide {
+            true => wide::display_light(curve, light.map(f64::from)).map(|light| light as f32),
+            false => light,
+        };
+        let light = matrix.map_or(light, |matrix| matrix.apply(light));
+        let light = match is_wide && !whole {
+            true => wide::shown(light),
+            false => light.map(|light| light.max(0.0)),
+        };
+        pixel[..3].copy_from_slice(&light);
     }
     picture
 }

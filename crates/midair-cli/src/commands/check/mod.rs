@@ -4,8 +4,8 @@ mod stray;
 
 use crate::arguments::{Size, check_picture_name, open_scene};
 use crate::failure::Failure;
-use crate::output::Output;
 use crate::summary::{Voice, counts_line, paths, percent, wrote};
+use midair::files::Output;
 use midair::map::{Accuracy, Formation, ImagePoint, Map, formation, invert};
 use midair::picture::{Depth, write_still};
 use midair::scene::Loaded;
@@ -13,7 +13,7 @@ use midair::transport::Setup;
 use midair_report::drawing::status_picture::{self, Part};
 use serde_json::{Value, json};
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 pub use stray::Stray;
 
 /// Tell what part of the image can be formed, what cannot, and why
@@ -39,7 +39,14 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     check_picture_name(&arguments.out)?;
     let loaded = open_scene(&arguments.scene, arguments.size)?;
-    let (mut output, name) = Output::of_file(&arguments.out)?;
+    let (mut output, name) = crate::output::of_file(&arguments.out)?;
+    let stray_output = match &arguments.stray {
+        Some(file) => {
+            check_picture_name(file)?;
+            Some(crate::output::of_file(file)?)
+        }
+        None => None,
+    };
     let mut checked = write_check(&loaded, &mut output, &name)?;
     let mut files = output.finish()?;
     let asked = arguments.stray.is_some();
@@ -47,9 +54,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     if let Some(stray) = Stray::of(model, &checked.setup, &checked.map, asked)? {
         checked.lines += &stray.lines();
         checked.json["stray"] = stray.json();
-        if let Some(file) = &arguments.stray {
-            check_picture_name(file)?;
-            let (mut output, name) = Output::of_file(file)?;
+        if let Some((mut output, name)) = stray_output {
             output.write(&name, |path| write_still(path, &stray.picture(), Depth::Eight))?;
             files.extend(output.finish()?);
         }
@@ -73,7 +78,11 @@ pub struct Checked {
 const POINTS: usize = 512;
 
 /// Checks a scene and draws the outcome.
-pub fn write_check(loaded: &Loaded, output: &mut Output, name: &str) -> Result<Checked, Failure> {
+pub fn write_check(
+    loaded: &Loaded,
+    output: &mut Output,
+    name: impl AsRef<Path>,
+) -> Result<Checked, Failure> {
     let setup = Setup::new(loaded)?;
     let (map, _) = invert(&setup, Accuracy::default());
     let [w, h] = setup.image.size;

@@ -2,8 +2,8 @@
 
 use super::Arguments;
 use crate::failure::Failure;
-use crate::output::Output;
 use midair::compensate::{Compensation, Solved};
+use midair::files::Output;
 use midair::map::format::{Format, write_channels, write_map_and_gain};
 use midair::map::{Gain, Map, Status, bleed, forward};
 use midair::picture::{Depth, Picture, Still, write_still};
@@ -76,7 +76,7 @@ fn write_six_channels(output: &mut Output, solved: &[Solved]) -> Result<(), Fail
     let all_ok = |pixel: usize| maps.iter().all(|map| map.status[pixel] == Status::Ok);
     let [width, height] = [maps[0].width, maps[0].height];
     channels.push(("A", (0..width * height).map(|pixel| f32::from(all_ok(pixel))).collect()));
-    output.write("map_rgb.exr", |path| write_channels(path, width, height, channels, false))
+    Ok(output.write("map_rgb.exr", |path| write_channels(path, width, height, channels, false))?)
 }
 
 /// Writes what the display shows: 8 bits for a picture of 8 bits, else 16, and OpenEXR for an OpenEXR picture as well.

@@ -2,13 +2,13 @@
 
 use crate::arguments::{GainMode, Size, check_view, map_formats, open_picture, open_scene};
 use crate::failure::Failure;
-use crate::output::Output;
 use crate::progress::Bar;
 use crate::summary::{Laps, Voice, counts_line, paths, percent, timings, wrote};
 use clap::ValueEnum;
 use midair::Monitor as _;
 use midair::compensate::{self, Brightness, Compensation, Options};
-use midair::map::format::{Format, write_bytes_atomically};
+use midair::files::{Output, write_bytes_atomically};
+use midair::map::format::Format;
 use midair::picture::Picture;
 use midair::simulate::Camera;
 use midair::transport::Setup;
@@ -85,7 +85,10 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         arguments.image.as_ref().map(|path| open_picture(path, &mut notes)).transpose()?;
     let setup = Setup::new(&loaded)?;
     notes.extend(colour_note(&setup, options.by_colour));
-    let mut output = Output::into_folder(&arguments.out)?;
+    let mut output = crate::output::into_folder(&arguments.out)?;
+    let maps = arguments.format.iter().map(|format| format.file_name());
+    maps.chain(["display.png", "display.exr", "report.json"])
+        .try_for_each(|name| output.claim(name))?;
 
     let bar = Bar::new();
     let mut laps = Laps::start();
@@ -171,9 +174,9 @@ impl Arguments {
 
 /// Writes report.json.
 pub fn write_report(output: &mut Output, report: &Value) -> Result<(), Failure> {
-    output.write("report.json", |path| {
+    Ok(output.write("report.json", |path| {
         write_bytes_atomically(path, format!("{report:#}\n").as_bytes())
-    })
+    })?)
 }
 
 /// Says so if the picture's proportions are not the image's.

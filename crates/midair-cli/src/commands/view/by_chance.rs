@@ -3,11 +3,12 @@
 use super::Shot;
 use crate::arguments::length;
 use crate::failure::Failure;
-use crate::output::{INTERRUPTED, Output, stop_on_interrupt};
+use crate::output::{INTERRUPTED, stop_on_interrupt};
 use crate::progress::Bar;
 use crate::summary::{Voice, milliseconds, number, paths, wrote};
 use clap::ValueEnum;
 use midair::Monitor as _;
+use midair::files::Output;
 use midair::optics::plate;
 use midair::picture::Depth;
 use midair::scene::Loaded;
@@ -15,6 +16,7 @@ use midair::scene::model::{PlateModel, SlitMirror};
 use midair::simulate::tone::{Exposure, write_layers, write_png};
 use midair::simulate::{Light, Progress, Render, Settings, Viewer, render};
 use serde_json::{Value, json};
+use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
 use std::str::FromStr;
@@ -217,16 +219,16 @@ impl Picture {
     fn write(
         self,
         view: &Render,
-        outputs: &mut [(Output, String)],
+        outputs: &mut [(Output, OsString)],
     ) -> Result<Option<f64>, Failure> {
         let mut factor = None;
         for (output, name) in outputs {
-            if name.to_ascii_lowercase().ends_with(".exr") {
-                output.write(name, |path| write_layers(path, view, self.light))?;
+            if Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) {
+                output.write(&name, |path| write_layers(path, view, self.light))?;
             } else {
                 let shown = view.view(self.light);
                 let write = |path: &Path| write_png(path, &shown, self.exposure, self.depth);
-                factor = Some(output.write(name, write)?);
+                factor = Some(output.write(&name, write)?);
             }
             output.publish()?;
         }

@@ -6,10 +6,10 @@ use crate::arguments::{
     Point, Size, check_picture_name, check_view, open_picture, open_scene, positive,
 };
 use crate::failure::Failure;
-use crate::output::Output;
 use crate::progress::Bar;
 use crate::summary::{Voice, milliseconds, paths, percent, wrote};
 use midair::Monitor as _;
+use midair::files::Output;
 use midair::geometry::Vec3;
 use midair::picture::optimal::{ViewRays, view_through};
 use midair::picture::{Depth, Still, emitted, write_still};
@@ -17,6 +17,7 @@ use midair::scene::Loaded;
 use midair::simulate::{Camera, Sight};
 use midair::transport::Setup;
 use serde_json::json;
+use std::ffi::OsString;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -70,7 +71,7 @@ struct Shot {
     setup: Setup,
     still: Still,
     camera: Camera,
-    outputs: Vec<(Output, String)>,
+    outputs: Vec<(Output, OsString)>,
     notes: Vec<String>,
 }
 
@@ -101,7 +102,8 @@ fn prepare(arguments: &Arguments, weight: usize) -> Result<Shot, Failure> {
     };
     let supersampling = usize::from(arguments.supersampling);
     check_view(size, supersampling.max(weight))?;
-    let outputs = arguments.out.iter().map(|out| Output::of_file(out)).collect::<Result<_, _>>()?;
+    let outputs =
+        arguments.out.iter().map(|out| crate::output::of_file(out)).collect::<Result<_, _>>()?;
     let eye = arguments.from.map_or(setup.viewpoint, |Point(at)| Vec3::from_array(at));
     let camera = Camera { eye, size, window: arguments.window, supersampling };
     Ok(Shot { loaded, setup, still, camera, outputs, notes })

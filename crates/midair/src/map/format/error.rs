@@ -52,6 +52,25 @@ impl FileError {
         Self::Io { path: path.to_owned(), doing, source }
     }
 
+    /// The same error, of the file `path`: for one that had another name while it was made.
+    pub(crate) fn of(mut self, name: &Path) -> Self {
+        let (Self::Io { path, .. }
+        | Self::Malformed { path, .. }
+        | Self::SourceUnknown { path }
+        | Self::Unsupported { path, .. }) = &mut self;
+        *path = name.to_owned();
+        self
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        let (Self::Io { path, .. }
+        | Self::Malformed { path, .. }
+        | Self::SourceUnknown { path }
+        | Self::Unsupported { path, .. }) = self;
+        path
+    }
+
     /// Wrong content at `place` of `path`.
     pub fn malformed(
         path: &Path,

@@ -1,9 +1,14 @@
 //! OpenEXR files as named float channels: what both maps and pictures are kept in.
 
-use super::{FileError, write_atomically};
+use super::FileError;
+use crate::files::write_bytes_atomically;
+use exr::block::reader::ChunksReader as _;
+use exr::meta::MetaData;
+use exr::meta::attribute::SampleType;
+use exr::meta::header::Header;
 use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, ReadChannels,
-    ReadLayers, Text, WritableImage, f16, read,
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, Text, Vec2,
+    WritableImage, f16,
 };
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -23,7 +28,7 @@ pub enum SampleKind {
     Integer,
 }
 
-/// An EXR file's first layer.
+/// Channels of one part of an EXR file.
 #[derive(Clone, Debug)]
 pub struct Channels {
     /// Pixels in a row.
@@ -39,81 +44,177 @@ impl Channels {
     pub fn get(&self, name: &str) -> Option<&[f32]> {
         self.channels.iter().find(|channel| channel.0 == name).map(|channel| &channel.2[..])
     }
-
-    /// The names, for a message.
-    pub fn names(&self) -> String {
-        self.channels.iter().map(|channel| channel.0.as_str()).collect::<Vec<_>>().join(", ")
-    }
 }
 
-/// Reads the first layer of an EXR file from memory, at full resolution, placed in the display
+/// Reads the first flat part of an EXR file from memory, at full resolution, placed in the display
 /// window; what the file's data window leaves out is `fill`.
 ///
 /// # Errors
 /// [`FileError::Malformed`] naming `path` where the bytes are not a whole, flat EXR file with a
 /// size between 1 and [`MAX_PIXELS`].
 pub fn decode_channels(path: &Path, bytes: &[u8], fill: f32) -> Result<Channels, FileError> {
-    let bad = |place: &str, problem: String| {
-        FileError::malformed(path, place, problem, "export the EXR file again")
-    };
-    // The reader is known to index out of bounds on some damaged files; a panic in it is an
-    // error in the file.
-    let guarded = |place: &str, result: std::thread::Result<exr::error::Result<_>>| match result {
-        Ok(Ok(image)) => Ok(image),
-        Ok(Err(error)) => Err(bad(place, error.to_string())),
-        Err(_) => Err(bad(place, "the data make no sense".into())),
-    };
-    let meta =
-        match catch_unwind(|| exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false)) {
+    let file = ExrFile::open(path, bytes)?;
+    let names: Vec<String> =
+        file.headers()[file.first].channels.list.iter().map(|c| c.name.to_string()).collect();
+    file.read(file.first, &names.iter().map(String::as_str).collect::<Vec<_>>(), fill)
+}
+
+/// An EXR file whose header has been read: channels are read from it by name, and no others cost anything.
+pub(crate) struct ExrFile<'a> {
+    path: &'a Path,
+    bytes: &'a [u8],
+    meta: MetaData,
+    /// The first part that is not deep.
+    first: usize,
+}
+
+/// Deflate packs at most 1032 bytes in one; the other compressions pack less.
+const MOST_PACKED: u64 = 1032;
+
+/// A display window of so many times the pixels that are there is no frame around them.
+const WIDEST_FRAME: u64 = 256;
+/// Frames up to this size cost little enough to be filled whatever they hold.
+const CHEAP_FRAME: u64 = 1 << 22;
+
+impl<'a> ExrFile<'a> {
+    /// Reads the header.
+    pub(crate) fn open(path: &'a Path, bytes: &'a [u8]) -> Result<Self, FileError> {
+        let bad = |problem: String| {
+            FileError::malformed(path, "header", problem, "export the EXR file again")
+        };
+        // The reader is known to index out of bounds on some damaged files; a panic in it is an error in the file.
+        let meta = match catch_unwind(|| MetaData::read_from_buffered(Cursor::new(bytes), false)) {
             Ok(Ok(meta)) => meta,
-            Ok(Err(error)) => return Err(bad("header", error.to_string())),
-            Err(_) => return Err(bad("header", "the data make no sense".into())),
+            Ok(Err(error)) => return Err(bad(error.to_string())),
+            Err(_) => return Err(bad("the data make no sense".into())),
         };
-    for header in &meta.headers {
-        check_size(path, header.layer_size.0 as u64, header.layer_size.1 as u64)?;
-        let window = header.shared_attributes.display_window.size;
-        check_size(path, window.0 as u64, window.1 as u64)?;
-    }
-    let image = guarded(
-        "pixels",
-        catch_unwind(AssertUnwindSafe(|| {
-            read()
-                .no_deep_data()
-                .largest_resolution_level()
-                .all_channels()
-                .first_valid_layer()
-                .all_attributes()
-                .non_parallel()
-                .from_buffered(Cursor::new(bytes))
-        })),
-    )?;
-    let layer = image.layer_data;
-    let window = image.attributes.display_window;
-    let offset = layer.attributes.layer_position - window.position;
-    let size = window.size;
-    let mut channels = Vec::new();
-    for channel in &layer.channel_data.list {
-        if channel.sampling.0 != 1 || channel.sampling.1 != 1 {
-            let place = format!("channel {}", channel.name);
-            return Err(bad(&place, "it has fewer samples than the picture has pixels".into()));
+        for header in &meta.headers {
+            let data = (header.layer_size.0 as u64, header.layer_size.1 as u64);
+            check_size(path, data.0, data.1)?;
+            let window = header.shared_attributes.display_window.size;
+            let window = (window.0 as u64, window.1 as u64);
+            check_size(path, window.0, window.1)?;
+            let (held, framed) = (data.0 * data.1, window.0 * window.1);
+            if framed > CHEAP_FRAME && framed / WIDEST_FRAME > held {
+                return Err(bad(format!(
+                    "a display window of {} x {} pixels around {} x {} that are there",
+                    window.0, window.1, data.0, data.1
+                )));
+            }
+            let claimed = held.saturating_mul(header.channels.bytes_per_pixel as u64);
+            if claimed / MOST_PACKED > bytes.len() as u64 {
+                let problem = format!(
+                    "{} x {} pixels cannot come from {} bytes",
+                    data.0,
+                    data.1,
+                    bytes.len()
+                );
+                let remedy = "it seems cut short: copy or export it again";
+                return Err(FileError::malformed(path, "header", problem, remedy));
+            }
         }
-        let (kind, samples) = match &channel.sample_data {
-            FlatSamples::F16(values) => {
-                (SampleKind::Half, values.iter().map(|value: &f16| value.to_f32()).collect())
-            }
-            FlatSamples::F32(values) => (SampleKind::Float, values.clone()),
-            FlatSamples::U32(values) => {
-                (SampleKind::Integer, values.iter().map(|&value| value as f32).collect::<Vec<_>>())
-            }
+        let Some(first) = meta.headers.iter().position(|header| !header.deep) else {
+            return Err(bad("it holds deep samples only".into()));
         };
-        let samples = if offset.0 == 0 && offset.1 == 0 && layer.size == size {
-            samples
-        } else {
-            place_in_window(&samples, layer.size.into(), offset.into(), size.into(), fill)
-        };
-        channels.push((channel.name.to_string(), kind, samples));
+        Ok(Self { path, bytes, meta, first })
     }
-    Ok(Channels { width: size.0, height: size.1, channels })
+
+    /// The parts, deep ones as well.
+    pub(super) fn headers(&self) -> &[Header] {
+        &self.meta.headers
+    }
+
+    /// The colours that red, green, blue and white are, as CIE x and y, where the file says.
+    pub(crate) fn chromaticities(&self) -> Option<[[f32; 2]; 4]> {
+        let told = self.meta.headers[self.first].shared_attributes.chromaticities?;
+        Some([told.red, told.green, told.blue, told.white].map(|Vec2(x, y)| [x, y]))
+    }
+
+    /// Reads channels of one part, at full resolution, placed in the display window; what the part's data window leaves out is `fill`.
+    pub(crate) fn read(
+        &self,
+        part: usize,
+        names: &[&str],
+        fill: f32,
+    ) -> Result<Channels, FileError> {
+        let bad = |place: &str, problem: &str| {
+            FileError::malformed(self.path, place, problem, "export the EXR file again")
+        };
+        let header = &self.headers()[part];
+        let mut places = vec![None; header.channels.list.len()];
+        let mut channels = Vec::new();
+        for (index, channel) in header.channels.list.iter().enumerate() {
+            let name = channel.name.to_string();
+            if !names.contains(&name.as_str()) {
+                continue;
+            }
+            if channel.sampling != Vec2(1, 1) {
+                let problem = "it has fewer samples than the picture has pixels";
+                return Err(bad(&format!("channel {name}"), problem));
+            }
+            let kind = match channel.sample_type {
+                SampleType::F16 => SampleKind::Half,
+                SampleType::F32 => SampleKind::Float,
+                SampleType::U32 => SampleKind::Integer,
+            };
+            places[index] = Some(channels.len());
+            channels.push((name, kind, vec![fill; header.layer_size.area()]));
+        }
+        let mut rows = 0;
+        let decoded = catch_unwind(AssertUnwindSafe(|| {
+            let reader = exr::block::read(Cursor::new(self.bytes), false)?;
+            let full = Vec2(0, 0);
+            let chunks = reader
+                .filter_chunks(false, |_, _, block| block.layer == part && block.level == full)?;
+            chunks.decompress_sequential(false, |meta, block| {
+                for line in block.lines(&meta.headers[part].channels) {
+                    let at = line.location;
+                    let Some(place) = places[at.channel] else { continue };
+                    let (_, kind, samples) = &mut channels[place];
+                    let start = at.position.1 * header.layer_size.0 + at.position.0;
+                    let row = &mut samples[start..start + at.sample_count];
+                    fill_row(row, *kind, line.value);
+                    rows += at.sample_count;
+                }
+                Ok(())
+            })
+        }));
+        match decoded {
+            Ok(Ok(())) => {}
+            Ok(Err(error)) => return Err(bad("pixels", &error.to_string())),
+            Err(_) => return Err(bad("pixels", "the data make no sense")),
+        }
+        if rows < channels.len() * header.layer_size.area() {
+            return Err(bad("pixels", "some rows are missing"));
+        }
+        let window = header.shared_attributes.display_window;
+        let offset = header.own_attributes.layer_position - window.position;
+        let (data, size) = (header.layer_size, window.size);
+        if offset != Vec2(0, 0) || data != size {
+            for (_, _, samples) in &mut channels {
+                *samples = place_in_window(samples, data.into(), offset.into(), size.into(), fill);
+            }
+        }
+        Ok(Channels { width: size.0, height: size.1, channels })
+    }
+}
+
+/// A row's samples from their bytes, which are in the machine's order.
+fn fill_row(row: &mut [f32], kind: SampleKind, bytes: &[u8]) {
+    match kind {
+        SampleKind::Half => {
+            let halves = bytes.as_chunks::<2>().0;
+            row.iter_mut().zip(halves).for_each(|(to, &b)| *to = f16::from_ne_bytes(b).to_f32());
+        }
+        SampleKind::Float => {
+            let floats = bytes.as_chunks::<4>().0;
+            row.iter_mut().zip(floats).for_each(|(to, &b)| *to = f32::from_ne_bytes(b));
+        }
+        SampleKind::Integer => {
+            let numbers = bytes.as_chunks::<4>().0;
+            row.iter_mut().zip(numbers).for_each(|(to, &b)| *to = u32::from_ne_bytes(b) as f32);
+        }
+    }
 }
 
 /// Copies a data window's samples to where they stand in the display window.
@@ -155,7 +256,7 @@ pub(crate) fn check_size(path: &Path, width: u64, height: u64) -> Result<(), Fil
 /// row 0 at the top.
 ///
 /// # Errors
-/// As [`write_atomically`]; [`FileError::Unsupported`] for an empty picture.
+/// As [`write_bytes_atomically`]; [`FileError::Unsupported`] for an empty picture.
 pub fn write_channels(
     path: &Path,
     width: usize,
@@ -163,6 +264,20 @@ pub fn write_channels(
     channels: Vec<(&str, Vec<f32>)>,
     half: bool,
 ) -> Result<(), FileError> {
+    write_bytes_atomically(path, &encode_channels(path, width, height, channels, half)?)
+}
+
+/// As [`write_channels`], into memory; `path` is named in errors.
+///
+/// # Errors
+/// [`FileError::Unsupported`] for an empty picture.
+pub(crate) fn encode_channels(
+    path: &Path,
+    width: usize,
+    height: usize,
+    channels: Vec<(&str, Vec<f32>)>,
+    half: bool,
+) -> Result<Vec<u8>, FileError> {
     if width == 0 || height == 0 || channels.iter().any(|(_, data)| data.len() != width * height) {
         return Err(FileError::unsupported(
             path,
@@ -188,12 +303,14 @@ pub fn write_channels(
         AnyChannels::sort(list),
     );
     let image = Image::from_layer(layer);
-    write_atomically(path, |writer| {
-        image.write().to_buffered(writer).map_err(|error| match error {
-            exr::error::Error::Io(error) => FileError::io(path, "write", error),
-            other => FileError::unsupported(path, other.to_string(), "report this as a bug"),
-        })
-    })
+    let mut bytes = Cursor::new(Vec::new());
+    // By several threads the blocks would come in an order of chance: the same map is to give the same bytes.
+    image
+        .write()
+        .non_parallel()
+        .to_buffered(&mut bytes)
+        .map_err(|error| FileError::unsupported(path, error.to_string(), "report this as a bug"))?;
+    Ok(bytes.into_inner())
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! A pair of 16-bit PGM files for ffmpeg's remap filter.
 
 use super::exr_channels::check_size;
-use super::{Fetch, FileError, LoadedMap, answer, pair, write_bytes_atomically};
+use super::{Fetch, FileError, LoadedMap, answer, pair};
+use crate::files::write_bytes_atomically;
 use crate::map::{Map, Status};
 use std::path::{Path, PathBuf};
 

@@ -4,9 +4,9 @@
 //! F has one on each image pixel and leads onto the display. What the samples lead into is called the
 //! *source* here, as a remapping tool does.
 
-mod atomic;
 mod error;
 mod exr_channels;
+mod exr_layers;
 mod ffmpeg;
 mod kind;
 mod mpcdi;
@@ -17,11 +17,12 @@ mod png;
 mod stmap;
 mod storage;
 
-pub use atomic::{write_atomically, write_bytes_atomically};
 pub use error::FileError;
 pub use exr_channels::{Channels, MAX_PIXELS, SampleKind, decode_channels, write_channels};
+pub(crate) use exr_channels::{ExrFile, check_size, encode_channels};
+pub(crate) use exr_layers::{PictureChannels, read_picture};
 pub use kind::{Format, UnknownFormat};
-pub(crate) use png::{decode_samples, write_png};
+pub(crate) use png::encode_png;
 
 use super::{Gain, Map, Status};
 use std::path::{Path, PathBuf};

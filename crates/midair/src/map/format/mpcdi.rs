@@ -1,10 +1,11 @@
 //! MPCDI 2.0 (VESA), 2D profile: a zip of an XML description, a PFM and an alpha PNG.
 
 use super::exr_channels::{MAX_PIXELS, check_size};
-use super::png::{coverage, encode_png};
-use super::{FileError, LoadedMap, answer, decode_samples, write_atomically};
+use super::png::{coverage, decode_samples, encode_png};
+use super::{FileError, LoadedMap, answer};
+use crate::files::write_bytes_atomically;
 use crate::map::{Map, Status};
-use image::{ExtendedColorType, ImageFormat};
+use image::ExtendedColorType;
 use std::io::{self, Cursor, Read, Write};
 use std::path::Path;
 use zip::write::SimpleFileOptions;
@@ -23,23 +24,22 @@ pub(super) fn write(map: &Map, source: [usize; 2], path: &Path) -> Result<(), Fi
         warp.extend([x, y, 1.0].map(f32::to_le_bytes).as_flattened());
     }
     let description = describe(map, source);
-    write_atomically(path, |writer| {
-        let fill = || -> io::Result<()> {
-            let mut archive = ZipWriter::new(writer);
-            let options = SimpleFileOptions::default();
-            for (name, data) in [
-                (DESCRIPTION, description.as_bytes()),
-                ("region1.pfm", &warp),
-                ("region1_alpha.png", &alpha),
-            ] {
-                archive.start_file(name, options)?;
-                archive.write_all(data)?;
-            }
-            archive.finish()?;
-            Ok(())
-        };
-        fill().map_err(|error| FileError::io(path, "write", error))
-    })
+    // Packed in memory: an archive that cannot be finished, because the disk is full, says so by itself on standard error.
+    let fill = || -> io::Result<Vec<u8>> {
+        let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+        let options = SimpleFileOptions::default();
+        for (name, data) in [
+            (DESCRIPTION, description.as_bytes()),
+            ("region1.pfm", &warp),
+            ("region1_alpha.png", &alpha),
+        ] {
+            archive.start_file(name, options)?;
+            archive.write_all(data)?;
+        }
+        Ok(archive.finish()?.into_inner())
+    };
+    let packed = fill().map_err(|error| FileError::io(path, "write", error))?;
+    write_bytes_atomically(path, &packed)
 }
 
 fn describe(map: &Map, source: [usize; 2]) -> String {
@@ -149,7 +149,7 @@ pub(super) fn read(
         None => None,
         Some(name) => {
             let file = member(&mut archive, path, &name, MAX_PIXELS * 8)?;
-            let (image, _) = decode_samples(path, &file, ImageFormat::Png)?;
+            let image = decode_samples(path, &file)?;
             if (image.width() as usize, image.height() as usize) != (width, height) {
                 // A mask of another size is legal and says nothing about single pixels of the warp.
                 None

@@ -1,7 +1,8 @@
 //! NumPy arrays: midair's own `npy` format, and the arrays of others.
 
 use super::exr_channels::check_size;
-use super::{Fetch, FileError, LoadedMap, answer, fetched, pair, write_atomically};
+use super::{Fetch, FileError, LoadedMap, answer, fetched, pair};
+use crate::files::write_atomically;
 use crate::map::{Map, Status};
 use npyz::WriterBuilder;
 use std::io;

@@ -2,7 +2,8 @@
 
 use super::png::{coverage, uncover};
 use super::storage::Matrix;
-use super::{Fetch, FileError, LoadedMap, answer, npy, pair, storage, write_bytes_atomically};
+use super::{Fetch, FileError, LoadedMap, answer, npy, pair, storage};
+use crate::files::write_bytes_atomically;
 use crate::map::{Map, Status};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

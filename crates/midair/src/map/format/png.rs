@@ -1,7 +1,8 @@
-//! PNG (and JPEG) files as samples, and maps in 16-bit PNG.
+//! Maps in 16-bit PNG, and PNG files of samples.
 
 use super::exr_channels::{MAX_PIXELS, check_size};
-use super::{FileError, LoadedMap, answer, write_atomically};
+use super::{FileError, LoadedMap, answer};
+use crate::files::write_atomically;
 use crate::map::{Map, Status};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::metadata::Orientation;
@@ -12,61 +13,43 @@ use std::io::{Cursor, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-/// Decodes a PNG or JPEG file from memory, its EXIF orientation applied; with notes for the user.
+/// Decodes a PNG file from memory, turned as it says.
 ///
 /// # Errors
 /// [`FileError::Malformed`] where the bytes are cut short or damaged, or claim no or too many pixels.
-pub(crate) fn decode_samples(
-    path: &Path,
-    bytes: &[u8],
-    format: ImageFormat,
-) -> Result<(DynamicImage, Vec<String>), FileError> {
+pub(super) fn decode_samples(path: &Path, bytes: &[u8]) -> Result<DynamicImage, FileError> {
     // Decoders meet damaged files here; a panic in one is an error in the file.
-    catch_unwind(AssertUnwindSafe(|| decode_unguarded(path, bytes, format))).unwrap_or_else(|_| {
+    catch_unwind(AssertUnwindSafe(|| decode_unguarded(path, bytes))).unwrap_or_else(|_| {
         Err(FileError::malformed(path, "pixels", "the data make no sense", "export it again"))
     })
 }
 
-fn decode_unguarded(
-    path: &Path,
-    bytes: &[u8],
-    format: ImageFormat,
-) -> Result<(DynamicImage, Vec<String>), FileError> {
-    let kind = if format == ImageFormat::Png { "PNG" } else { "JPEG" };
+fn decode_unguarded(path: &Path, bytes: &[u8]) -> Result<DynamicImage, FileError> {
     let bad = |place: &str, error: image::ImageError| {
         let remedy = match &error {
             image::ImageError::IoError(_) => "it seems cut short: copy or export it again",
             _ => "it seems damaged: export it again",
         };
-        FileError::malformed(path, place, format!("{kind}: {error}"), remedy)
+        FileError::malformed(path, place, format!("PNG: {error}"), remedy)
     };
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png);
     let mut limits = image::Limits::default();
     limits.max_alloc = Some(MAX_PIXELS * 8);
     reader.limits(limits);
     let mut decoder = reader.into_decoder().map_err(|error| bad("header", error))?;
     let (width, height) = decoder.dimensions();
     check_size(path, u64::from(width), u64::from(height))?;
-    // Deflate packs at most 1032 bytes in one, and a palette's bit becomes three bytes; a JPEG
-    // block of 64 pixels takes bits, too. A larger claim is a cut or hostile file.
-    let least = decoder.total_bytes() / 32768;
-    if least > bytes.len() as u64 {
+    // Deflate packs at most 1032 bytes in one, and a palette's bit becomes three bytes. A larger claim is a cut or hostile file.
+    if decoder.total_bytes() / 32768 > bytes.len() as u64 {
         let problem =
-            format!("{kind}: {width} x {height} pixels cannot come from {} bytes", bytes.len());
+            format!("PNG: {width} x {height} pixels cannot come from {} bytes", bytes.len());
         let remedy = "it seems cut short: copy or export it again";
         return Err(FileError::malformed(path, "header", problem, remedy));
-    }
-    let mut notes = Vec::new();
-    if matches!(decoder.icc_profile(), Ok(Some(_))) {
-        notes.push(format!(
-            "{}: its colour profile is ignored: the colours are taken as sRGB",
-            path.display()
-        ));
     }
     let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
     let mut image = DynamicImage::from_decoder(decoder).map_err(|error| bad("pixels", error))?;
     image.apply_orientation(orientation);
-    Ok((image, notes))
+    Ok(image)
 }
 
 /// Encodes samples in the machine's byte order as PNG.
@@ -91,7 +74,7 @@ pub(crate) fn encode_png(
 }
 
 /// Writes samples in the machine's byte order as a PNG file.
-pub(crate) fn write_png(
+fn write_png(
     path: &Path,
     size: (usize, usize),
     bytes: &[u8],
@@ -119,7 +102,7 @@ pub(super) fn write_coverage(map: &Map, path: &Path) -> Result<(), FileError> {
 
 /// Takes the answers of pixels that a mask leaves out for a continuation.
 pub(super) fn read_coverage(map: &mut Map, path: &Path, bytes: &[u8]) -> Result<(), FileError> {
-    let (mask, _) = decode_samples(path, bytes, ImageFormat::Png)?;
+    let mask = decode_samples(path, bytes)?;
     let size = [mask.width() as usize, mask.height() as usize];
     if size != [map.width, map.height] {
         let problem = format!(
@@ -148,7 +131,7 @@ pub(super) fn coverage(map: &Map) -> Vec<u8> {
 }
 
 pub(super) fn read_map_png(path: &Path, bytes: &[u8]) -> Result<LoadedMap, FileError> {
-    let (image, _) = decode_samples(path, bytes, ImageFormat::Png)?;
+    let image = decode_samples(path, bytes)?;
     if image.color().bytes_per_pixel() / image.color().channel_count() < 2 {
         let problem = "a map of 8 bits tells apart only 256 x 256 image points";
         return Err(FileError::malformed(path, "header", problem, "export it with 16 bits"));

@@ -1,6 +1,8 @@
 //! Maps in OpenEXR files: STMap, Blender, TouchDesigner.
 
-use super::{FileError, LoadedMap, SampleKind, answer, decode_channels, write_channels};
+use super::exr_channels::ExrFile;
+use super::exr_layers::read_map_channels;
+use super::{FileError, LoadedMap, SampleKind, answer, write_channels};
 use crate::map::{Gain, Map, Status};
 use std::path::Path;
 
@@ -57,22 +59,21 @@ pub(super) fn write_touchdesigner(map: &Map, path: &Path) -> Result<(), FileErro
 }
 
 pub(super) fn read(path: &Path, bytes: &[u8], cover: Cover) -> Result<LoadedMap, FileError> {
-    let file = decode_channels(path, bytes, f32::NAN)?;
-    let channel = |name: &str| {
-        file.get(name).ok_or_else(|| {
-            FileError::malformed(
-                path,
-                format!("channel {name}"),
-                format!("it is missing; the file has {}", file.names()),
-                "export u as R and v as G in the first layer",
-            )
-        })
+    let mut more = vec!["status"];
+    more.extend(GAIN);
+    let found = read_map_channels(path, &ExrFile::open(path, bytes)?, &more)?;
+    let file = &found.channels;
+    let (u, v) = (found.get(&found.u), found.get(&found.v));
+    let mask = match (cover, &found.alpha, &found.blue) {
+        (Cover::A, alpha, _) => alpha.as_deref(),
+        (Cover::B, _, Some(blue)) => Some(blue.as_str()),
+        (Cover::B, _, None) => {
+            let problem = "it is missing, and holds where there is an answer";
+            let remedy = "export it, or read the map as exr";
+            return Err(FileError::malformed(path, "channel B", problem, remedy));
+        }
     };
-    let (u, v) = (channel("R")?, channel("G")?);
-    let mask = match cover {
-        Cover::A => file.get("A"),
-        Cover::B => Some(channel("B")?),
-    };
+    let mask = mask.map(|name| found.get(name));
     let told = file.get("status");
     let mut map = Map {
         width: file.width,
@@ -104,6 +105,10 @@ pub(super) fn read(path: &Path, bytes: &[u8], cover: Cover) -> Result<LoadedMap,
         map.status.push(status);
     }
     let mut loaded = LoadedMap::new(map);
+    loaded.notes.extend(found.notes.iter().cloned());
+    if let Some(layer) = &found.layer {
+        loaded.notes.push(format!("{}: the map is read from its layer {layer}", path.display()));
+    }
     if let [Some(r), Some(g), Some(b)] = GAIN.map(|name| file.get(name)) {
         let rgb = r.iter().zip(g).zip(b).map(|((&r, &g), &b)| [r, g, b]);
         // Less than nothing is left of no light.
@@ -114,7 +119,7 @@ pub(super) fn read(path: &Path, bytes: &[u8], cover: Cover) -> Result<LoadedMap,
     if file
         .channels
         .iter()
-        .any(|(name, kind, _)| matches!(name.as_str(), "R" | "G") && *kind == SampleKind::Half)
+        .any(|(name, kind, _)| (*name == found.u || *name == found.v) && *kind == SampleKind::Half)
     {
         loaded.notes.push(format!(
             "{}: its half floats place image points in steps of 1/2048 of the source; \

@@ -1,13 +1,13 @@
 //! Files that are there whole or not at all.
 
-use super::FileError;
+use super::{FileError, place};
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
 /// Writes a file by way of a temporary one beside it, which is renamed over `path` only after
 /// everything was written and flushed: a reader never sees half a file, and a failure leaves
-/// what was there before.
+/// what was there before. Where `path` is a symbolic link it stays one, and a file that is replaced hands its permissions on.
 ///
 /// # Errors
 /// Whatever `fill` returns, or [`FileError::Io`] where the folder is missing, not writable or full.
@@ -33,12 +33,13 @@ pub fn write_atomically(
     }
     let temporary =
         builder.tempfile_in(folder).map_err(|error| FileError::io(path, "create", error))?;
-    let (file, place) = temporary.into_parts();
+    // Removed when it goes out of sight, unless it has been moved to its place.
+    let (file, temporary) = temporary.into_parts();
     let mut writer = BufWriter::with_capacity(1 << 16, file);
     fill(&mut writer)?;
     writer.flush().map_err(|error| FileError::io(path, "write", error))?;
     drop(writer);
-    place.persist(path).map_err(|error| FileError::io(path, "write", error.error))
+    place::put(&temporary, path).map_err(|error| FileError::io(path, "write", error))
 }
 
 /// Writes `bytes` as [`write_atomically`] does.

@@ -1,0 +1,19 @@
+//! Files: the one floor that knows paths. What is written is there whole or not at all, and never in the place of what is read.
+//!
+//! [`Output`] makes files in a hidden folder beside their place and moves them there at the end; [`Inputs`] are the files that the work
+//! reads, which no output may replace. [`Kept`] holds the pieces of work that can be gone on with after an interruption.
+//! [`write_atomically`] is for one file by itself.
+
+mod inputs;
+mod kept;
+mod output;
+mod place;
+mod staging;
+mod whole;
+
+pub use crate::map::format::FileError;
+pub use inputs::Inputs;
+pub use kept::Kept;
+pub use output::Output;
+pub use staging::remove_unfinished;
+pub use whole::{write_atomically, write_bytes_atomically};

@@ -1,0 +1,248 @@
+//! PNG, JPEG, TIFF, WebP and BMP as pictures in linear light.
+
+use super::profile::{self, Encoding, Told, Transfer};
+use super::{Depth, Picture, Still, srgb, wide};
+use crate::map::format::{FileError, MAX_PIXELS, check_size};
+use image::metadata::Orientation;
+use image::{DynamicImage, ImageDecoder as _, ImageFormat, ImageReader};
+use rayon::prelude::*;
+use std::io::Cursor;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+/// The kinds of file, with the name for messages.
+const KINDS: [(ImageFormat, &str); 5] = [
+    (ImageFormat::Png, "PNG"),
+    (ImageFormat::Jpeg, "JPEG"),
+    (ImageFormat::Tiff, "TIFF"),
+    (ImageFormat::WebP, "WebP"),
+    (ImageFormat::Bmp, "BMP"),
+];
+
+/// The kind of a file by its first bytes; `None` for others than these.
+pub(super) fn kind(bytes: &[u8]) -> Option<ImageFormat> {
+    let format = image::guess_format(bytes).ok()?;
+    KINDS.iter().any(|(known, _)| *known == format).then_some(format)
+}
+
+/// Decodes a file of a known kind, turned as it says and with its colours in sRGB's primaries.
+pub(super) fn decode(path: &Path, bytes: &[u8], format: ImageFormat) -> Result<Still, FileError> {
+    // Decoders meet damaged files here; a panic in one is an error in the file.
+    let decoded = catch_unwind(AssertUnwindSafe(|| samples(path, bytes, format)));
+    let (image, told) = decoded.unwrap_or_else(|_| {
+        Err(FileError::malformed(path, "pixels", "the data make no sense", "export it again"))
+    })?;
+    let depth = match image.color().bytes_per_pixel() / image.color().channel_count() {
+        1 => Depth::Eight,
+        2 => Depth::Sixteen,
+        _ => Depth::Float,
+    };
+    let notes = told.note.iter().map(|note| format!("{}: {note}", path.display())).collect();
+    Ok(Still { picture: linearise(image, &told.encoding), depth, notes })
+}
+
+const CUT: &str = "it seems cut short: copy or export it again";
+
+fn samples(
+    path: &Path,
+    bytes: &[u8],
+    format: ImageFormat,
+) -> Result<(DynamicImage, Told), FileError> {
+    let kind = KINDS.iter().find(|(known, _)| *known == format).map_or("picture", |known| known.1);
+    let bad = |place: &str, error: image::ImageError| {
+        let remedy = match &error {
+            image::ImageError::IoError(_) => CUT,
+            _ => "it seems damaged, or of a rare kind: export it again",
+        };
+        FileError::malformed(path, place, format!("{kind}: {error}"), remedy)
+    };
+    if format == ImageFormat::Jpeg && !super::jpeg::is_whole(bytes) {
+        let problem = "JPEG: it ends before its picture does";
+        return Err(FileError::malformed(path, "pixels", problem, CUT));
+    }
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    let mut limits = image::Limits::default();
+    limits.max_alloc = Some(MAX_PIXELS * 8);
+    reader.limits(limits);
+    let mut decoder = reader.into_decoder().map_err(|error| bad("header", error))?;
+    let (width, height) = decoder.dimensions();
+    check_size(path, u64::from(width), u64::from(height))?;
+    // Deflate packs at most 1032 bytes in one, and a palette's bit becomes three bytes; a JPEG
+    // block of 64 pixels takes bits, too. A larger claim is a cut or hostile file.
+    if format != ImageFormat::WebP && decoder.total_bytes() / 32768 > bytes.len() as u64 {
+        let problem =
+            format!("{kind}: {width} x {height} pixels cannot come from {} bytes", bytes.len());
+        return Err(FileError::malformed(path, "header", problem, CUT));
+    }
+    let icc = decoder.icc_profile().ok().flatten();
+    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    let mut image = DynamicImage::from_decoder(decoder).map_err(|error| bad("pixels", error))?;
+    image.apply_orientation(orientation);
+    let mut told = profile::read(bytes, format, icc.as_deref(), !image.color().has_color());
+    if depth_is_float(&image) && icc.is_none() {
+        told = profile::linear();
+    }
+    Ok((image, told))
+}
+
+fn depth_is_float(image: &DynamicImage) -> bool {
+    matches!(image, DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_))
+}
+
+/// Decodes codes to light and premultiplies.
+fn linearise(image: DynamicImage, encoding: &Encoding) -> Picture {
+    let (width, height) = (image.width() as usize, image.height() as usize);
+    let pixels = match image {
+        DynamicImage::ImageLuma8(image) => {
+            spread(&image, &Codes::eight(encoding), |&[y]| [y; 3], |_| 1.0)
+        }
+        DynamicImage::ImageLumaA8(image) => {
+            spread(&image, &Codes::eight(encoding), |&[y, _]| [y; 3], |&[_, a]| eighth(a))
+        }
+        DynamicImage::ImageRgb8(image) => {
+            spread(&image, &Codes::eight(encoding), |&rgb: &[u8; 3]| rgb, |_| 1.0)
+        }
+        DynamicImage::ImageRgba8(image) => {
+            spread(&image, &Codes::eight(encoding), |&[r, g, b, _]| [r, g, b], |&[.., a]| eighth(a))
+        }
+        DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
+            let image = image.into_rgba32f();
+            spread(
+                &image,
+                &Codes::float(encoding),
+                |&[r, g, b, _]| [r, g, b],
+                |&[.., a]| {
+                    if a.is_finite() { a.clamp(0.0, 1.0) } else { 0.0 }
+                },
+            )
+        }
+        // 16 bits, whatever the channels.
+        other => {
+            let image = other.into_rgba16();
+            spread(
+                &image,
+                &Codes::sixteen(encoding),
+                |&[r, g, b, _]| [r, g, b],
+                |&[.., a]| f32::from(a) / 65535.0,
+            )
+        }
+    };
+    Picture { width, height, pixels }
+}
+
+fn eighth(alpha: u8) -> f32 {
+    f32::from(alpha) / 255.0
+}
+
+/// How codes of type `T` become light.
+struct Codes<'a, T> {
+    encoding: &'a Encoding,
+    /// Light of a code, without a profile.
+    light: Box<dyn Fn(T) -> f32 + Send + Sync>,
+    /// A code as a share of the largest one.
+    share: fn(T) -> f32,
+}
+
+impl<'a> Codes<'a, u8> {
+    fn eight(encoding: &'a Encoding) -> Self {
+        let table: Vec<f32> =
+            (0..=u8::MAX).map(|code| light(encoding, f64::from(code) / 255.0)).collect();
+        let light: Box<dyn Fn(u8) -> f32 + Send + Sync> = match encoding {
+            Encoding::Srgb => Box::new(srgb::decode_8),
+            _ => Box::new(move |code| table[usize::from(code)]),
+        };
+        Self { encoding, light, share: |code| f32::from(code) / 255.0 }
+    }
+}
+
+impl<'a> Codes<'a, u16> {
+    fn sixteen(encoding: &'a Encoding) -> Self {
+        let table: Vec<f32> =
+            (0..=u16::MAX).map(|code| light(encoding, f64::from(code) / 65535.0)).collect();
+        let light: Box<dyn Fn(u16) -> f32 + Send + Sync> = match encoding {
+            Encoding::Srgb => Box::new(srgb::decode_16),
+            _ => Box::new(move |code| table[usize::from(code)]),
+        };
+        Self { encoding, light, share: |code| f32::from(code) / 65535.0 }
+    }
+}
+
+impl<'a> Codes<'a, f32> {
+    /// Floats are light already, but for a profile that says otherwise.
+    fn float(encoding: &'a Encoding) -> Self {
+        let finite = |value: f32| if value.is_finite() { value.max(0.0) } else { 0.0 };
+        Self { encoding, light: Box::new(finite), share: finite }
+    }
+}
+
+/// Light of a share of the largest code, by the encoding's curve.
+fn light(encoding: &Encoding, share: f64) -> f32 {
+    match encoding {
+        Encoding::Curve { transfer, .. } => transfer.decode(share) as f32,
+        Encoding::Srgb | Encoding::Icc { .. } => srgb::decode(share) as f32,
+    }
+}
+
+/// Pixels at a time: enough to be worth a task.
+const RUN: usize = 1 << 13;
+
+fn spread<T: Copy + Sync, const N: usize>(
+    samples: &[T],
+    codes: &Codes<T>,
+    colour: impl Fn(&[T; N]) -> [T; 3] + Send + Sync,
+    alpha: impl Fn(&[T; N]) -> f32 + Send + Sync,
+) -> Vec<[f32; 4]> {
+    let pixels = samples.as_chunks::<N>().0;
+    let mut shown = vec![[0.0; 4]; pixels.len()];
+    shown.par_chunks_mut(RUN).zip(pixels.par_chunks(RUN)).for_each(|(shown, pixels)| {
+        let premultiplied = |[r, g, b]: [f32; 3], pixel: &[T; N]| {
+            let alpha = alpha(pixel);
+            [r * alpha, g * alpha, b * alpha, alpha]
+        };
+        let light = |pixel: &[T; N]| colour(pixel).map(|code| (codes.light)(code));
+        match codes.encoding {
+            Encoding::Srgb => shown.iter_mut().zip(pixels).for_each(|(shown, pixel)| {
+                *shown = premultiplied(light(pixel), pixel);
+            }),
+            Encoding::Curve { transfer, matrix } => {
+                shown.iter_mut().zip(pixels).for_each(|(shown, pixel)| {
+                    let seen = of_curve(light(pixel), *transfer, matrix.as_ref());
+                    *shown = premultiplied(seen, pixel);
+                });
+            }
+            Encoding::Icc { transform, grey } => {
+                let shares = |pixel: &[T; N]| colour(pixel).map(codes.share);
+                let given: Vec<f32> = match grey {
+                    true => pixels.iter().map(|pixel| shares(pixel)[0]).collect(),
+                    false => pixels.iter().flat_map(shares).collect(),
+                };
+                let mut seen = vec![0.0; pixels.len() * 3];
+                // Its only errors are lengths that do not fit.
+                let _ = transform.transform(&given, &mut seen);
+                for ((shown, pixel), seen) in
+                    shown.iter_mut().zip(pixels).zip(seen.as_chunks::<3>().0)
+                {
+                    *shown = premultiplied(seen.map(in_range), pixel);
+                }
+            }
+        }
+    });
+    shown
+}
+
+fn of_curve(
+    light: [f32; 3],
+    transfer: Transfer,
+    matrix: Option<&super::colour::ToSrgb>,
+) -> [f32; 3] {
+    if let Some(curve) = transfer.wide() {
+        let light = wide::display_light(curve, light.map(f64::from)).map(|light| light as f32);
+        return wide::shown(matrix.map_or(light, |matrix| matrix.apply(light)));
+    }
+    matrix.map_or(light, |matrix| matrix.apply(light).map(in_range))
+}
+
+/// Codes end at the display's white, and so does what they are converted to.
+fn in_range(light: f32) -> f32 {
+    light.clamp(0.0, 1.0)
+}
