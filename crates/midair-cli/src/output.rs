@@ -146,10 +146,10 @@ impl Output {
             FileError::Malformed { path, place, problem, remedy } => {
                 FileError::Malformed { path: real(path), place, problem, remedy }
             }
+            FileError::SourceUnknown { path } => FileError::SourceUnknown { path: real(path) },
             FileError::Unsupported { path, problem, remedy } => {
                 FileError::Unsupported { path: real(path), problem, remedy }
             }
-            FileError::SourceUnknown { path } => FileError::SourceUnknown { path: real(path) },
         }
     }
 
