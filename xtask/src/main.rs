@@ -9,6 +9,8 @@
 
 mod bench;
 mod book;
+#[cfg(test)]
+mod citations;
 mod pictures;
 mod process;
 mod reference;

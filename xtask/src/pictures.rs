@@ -2,6 +2,7 @@
 
 use crate::{book, process, setup};
 use anyhow::{Result, ensure};
+use midair_peers::Peer;
 use std::path::Path;
 use std::process::Command;
 
@@ -43,7 +44,7 @@ const SIDE_BY_SIDE: &str = "[0]scale=360:-1:flags=lanczos,pad=iw+12:ih:0:0:white
 
 /// Runs the program and puts its pictures where the pages look for them.
 pub fn run() -> Result<()> {
-    setup::install()?;
+    setup::install_one(Peer::Ffmpeg)?;
     let mut build = Command::new(std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned()));
     build.args(["build", "--quiet", "--release", "--package", "midair-cli"]);
     process::run(build.current_dir(crate::root()))?;

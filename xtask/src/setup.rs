@@ -2,6 +2,7 @@
 
 use crate::process;
 use anyhow::{Context, Result, bail};
+use midair_peers::Peer;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -15,33 +16,44 @@ pub fn python() -> PathBuf {
     crate::root().join(".venv/bin/python3")
 }
 
-/// Installs what is missing; with everything in place the network is not touched.
-pub fn install() -> Result<()> {
-    if !process::succeeds(Command::new("ffmpeg").arg("-version")) {
-        apt_install(&["ffmpeg"])?;
-    }
-    // For the live show's window: a virtual screen, keys and screenshots.
-    if !["Xvfb", "xdotool", "xwd"].into_iter().all(on_path) {
-        apt_install(&["xvfb", "xdotool", "x11-apps", "libx11-xcb1", "libxkbcommon-x11-0"])?;
-    }
-    // A graphics device in software, for machines without one.
-    if !Path::new("/usr/share/vulkan/icd.d").is_dir() {
-        apt_install(&["mesa-vulkan-drivers", "libvulkan1"])?;
-    }
-    python_packages(TEST_PACKAGES)?;
-    // Their tests skip themselves without them, and say so.
-    for wanted in [weights(), blender()] {
-        if let Err(error) = wanted {
-            println!("note: {error:#}");
+/// Installs what is missing; with everything in place the network is not touched. Where an `optional` peer cannot be had, a note says so.
+pub fn install(optional: &[Peer]) -> Result<()> {
+    for peer in Peer::ALL {
+        match install_one(peer) {
+            Err(error) if optional.contains(&peer) => println!("note: without {peer}: {error:#}"),
+            outcome => outcome?,
         }
     }
-    println!("ffmpeg, a virtual screen, Vulkan and the packages of {TEST_PACKAGES} are in place");
+    println!("what the tests need is in place");
     Ok(())
+}
+
+/// Installs what a peer needs, if it is missing.
+pub fn install_one(peer: Peer) -> Result<()> {
+    match peer {
+        Peer::Ffmpeg if !process::succeeds(Command::new("ffmpeg").arg("-version")) => {
+            apt_install(&["ffmpeg"])
+        }
+        // For the live show's window: a virtual screen, keys and screenshots.
+        Peer::Screen if !["Xvfb", "xdotool", "xwd"].into_iter().all(on_path) => {
+            apt_install(&["xvfb", "xdotool", "x11-apps", "libx11-xcb1", "libxkbcommon-x11-0"])
+        }
+        // A graphics device in software, for machines without one.
+        Peer::Graphics if !Path::new("/usr/share/vulkan/icd.d").is_dir() => {
+            apt_install(&["mesa-vulkan-drivers", "libvulkan1"])
+        }
+        Peer::Python => python_packages(TEST_PACKAGES),
+        Peer::Lpips => weights(),
+        Peer::Blender => blender(),
+        Peer::Ffmpeg | Peer::Screen | Peer::Graphics => Ok(()),
+        // Part of the machine.
+        Peer::Namespaces | Peer::Avx2 => Ok(()),
+    }
 }
 
 /// Gets LPIPS' weights into midair's cache, unless they are there: 64 MB, once.
 pub fn weights() -> Result<()> {
-    let script = "xtask/lpips_weights.py";
+    let script = "crates/midair-cli/lpips_weights.py";
     let asked = |more: &[&str]| {
         let mut command = Command::new(python());
         command.arg(script).args(more).current_dir(crate::root());
@@ -66,14 +78,14 @@ fn blender() -> Result<()> {
     let fits = "import sys; sys.exit(sys.version_info[:2] != (3, 11))";
     if !process::succeeds(Command::new("python3").args(["-c", fits])) {
         bail!(
-            "Blender's module {BLENDER} needs Python 3.11; the test of its compositor skips itself"
+            "Blender's module {BLENDER} needs Python 3.11: install it, or test --optional blender"
         );
     }
     println!("installing {BLENDER} into .venv-blender");
     let made = make_environment(&folder).and_then(|()| {
         process::run(pip_install(&python).args(["--timeout", "30", "--retries", "1", BLENDER]))
     });
-    made.context("Blender's Python module cannot be had; the test of its compositor skips itself")
+    made.context("Blender's Python module cannot be had")
 }
 
 /// `pip install` of an environment's Python; what to install follows.

@@ -1,8 +1,10 @@
 //! `cargo xtask test`: everything that must hold before a change is merged.
 
 use crate::{book, process, setup};
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
+use midair_peers::Peer;
+use std::collections::BTreeSet;
 use std::process::Command;
 use std::time::Instant;
 
@@ -11,6 +13,9 @@ pub struct Options {
     /// Run only this step; may be given several times.
     #[arg(long, value_name = "STEP")]
     only: Vec<Step>,
+    /// Peers that may be missing, separated by commas: then tests that need them are skipped, and counted. All others are required.
+    #[arg(long, value_name = "PEERS", value_delimiter = ',')]
+    optional: Vec<Peer>,
 }
 
 /// The steps, in their order.
@@ -37,16 +42,18 @@ enum Step {
 pub struct Tally {
     pub passed: usize,
     pub failed: usize,
+    /// Counted by the test runner as passed, but not here.
+    pub skipped: usize,
 }
 
 impl Tally {
     /// One check.
     pub fn of(outcome: Result<()>) -> Self {
         match outcome {
-            Ok(()) => Self { passed: 1, failed: 0 },
+            Ok(()) => Self { passed: 1, ..Self::default() },
             Err(error) => {
                 println!("FAILED: {error:#}");
-                Self { passed: 0, failed: 1 }
+                Self { failed: 1, ..Self::default() }
             }
         }
     }
@@ -54,6 +61,7 @@ impl Tally {
     pub fn add(&mut self, other: Self) {
         self.passed += other.passed;
         self.failed += other.failed;
+        self.skipped += other.skipped;
     }
 }
 
@@ -68,7 +76,7 @@ pub fn run(options: &Options) -> Result<bool> {
         let name = format!("{step:?}").to_lowercase();
         println!("\n== {name}");
         let start = Instant::now();
-        let tally = step.run();
+        let tally = step.run(&options.optional);
         println!("-- {name}: {:.0} s", start.elapsed().as_secs_f64());
         if tally.failed > 0 {
             failed.push(name);
@@ -79,14 +87,14 @@ pub fn run(options: &Options) -> Result<bool> {
     if !failed.is_empty() {
         println!("failed steps: {}", failed.join(", "));
     }
-    println!("{} passed, {} failed", total.passed, total.failed);
+    println!("{total}");
     Ok(total.failed == 0)
 }
 
 impl Step {
-    fn run(self) -> Tally {
+    fn run(self, optional: &[Peer]) -> Tally {
         match self {
-            Self::Setup => Tally::of(setup::install()),
+            Self::Setup => Tally::of(setup::install(optional)),
             Self::Fmt => Tally::of(cargo(&["fmt", "--all", "--check"])),
             Self::Clippy => Tally::of(cargo(&[
                 "clippy",
@@ -96,7 +104,7 @@ impl Step {
                 "--",
                 "-Dwarnings",
             ])),
-            Self::Tests => tests(),
+            Self::Tests => tests(optional),
             Self::Docs => Tally::of(process::run(
                 cargo_command(&["doc", "--quiet", "--workspace", "--no-deps"])
                     .env("RUSTDOCFLAGS", "-Dwarnings"),
@@ -126,9 +134,11 @@ fn cargo(arguments: &[&str]) -> Result<()> {
 }
 
 /// All tests of the workspace, documentation tests among them.
-fn tests() -> Tally {
+fn tests(optional: &[Peer]) -> Tally {
     let mut tally = Tally::default();
+    let skips = std::env::temp_dir().join(format!("midair-skips-{}", std::process::id()));
     let mut command = cargo_command(&["test", "--quiet", "--workspace", "--no-fail-fast"]);
+    command.env(midair_peers::REQUIRED, required(optional)).env(midair_peers::SKIPS, &skips);
     let status = process::run_watched(&mut command, |line| {
         if let Some(counts) = read_result(line) {
             tally.add(counts);
@@ -139,11 +149,52 @@ fn tests() -> Tally {
         Ok(status) if !status.success() && tally.failed == 0 => {
             Err(anyhow::anyhow!("`{}` failed ({status})", process::shown(&command)))
         }
-        Ok(_) => return tally,
+        Ok(_) => Ok(()),
         Err(error) => Err(error),
     };
-    tally.add(Tally::of(outcome));
+    if outcome.is_err() {
+        tally.add(Tally::of(outcome));
+    }
+    match take_skips(&skips) {
+        Ok(skipped) => {
+            for line in &skipped {
+                println!("skipped: {line}");
+            }
+            tally.passed = tally.passed.saturating_sub(skipped.len());
+            tally.skipped += skipped.len();
+        }
+        Err(error) => tally.add(Tally::of(Err(error))),
+    }
     tally
+}
+
+/// The peers that tests must find.
+fn required(optional: &[Peer]) -> String {
+    let wanted = Peer::ALL.into_iter().filter(|peer| !optional.contains(peer));
+    wanted.map(Peer::name).collect::<Vec<_>>().join(",")
+}
+
+/// What tests wrote of the peers that they missed, each test once; the file is removed.
+fn take_skips(file: &std::path::Path) -> Result<BTreeSet<String>> {
+    if !file.exists() {
+        return Ok(BTreeSet::new());
+    }
+    let text = std::fs::read_to_string(file).with_context(|| format!("{}", file.display()))?;
+    std::fs::remove_file(file)?;
+    let mut seen = BTreeSet::new();
+    // A test that asks twice is skipped once.
+    let first = |line: &&str| seen.insert(line.split('\t').next().unwrap_or_default().to_owned());
+    Ok(text.lines().filter(first).map(|line| line.replace('\t', ": ")).collect())
+}
+
+impl std::fmt::Display for Tally {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            formatter,
+            "{} passed, {} failed, {} skipped",
+            self.passed, self.failed, self.skipped
+        )
+    }
 }
 
 fn no_tests() -> Result<()> {
@@ -157,7 +208,7 @@ fn read_result(line: &str) -> Option<Tally> {
         let before = counts.split(word).next()?;
         before.split_whitespace().next_back()?.parse().ok()
     };
-    Some(Tally { passed: count(" passed;")?, failed: count(" failed;")? })
+    Some(Tally { passed: count(" passed;")?, failed: count(" failed;")?, skipped: 0 })
 }
 
 #[cfg(test)]
@@ -168,8 +219,30 @@ mod tests {
     fn the_runner_s_summary_is_counted() {
         let line = "test result: FAILED. 12 passed; 3 failed; 1 ignored; 0 measured; 7 filtered \
                     out; finished in 0.10s\n";
-        assert_eq!(read_result(line), Some(Tally { passed: 12, failed: 3 }));
+        let tally = Tally { passed: 12, failed: 3, skipped: 0 };
+        assert_eq!(read_result(line), Some(tally));
+        assert_eq!(tally.to_string(), "12 passed, 3 failed, 0 skipped");
         assert_eq!(read_result("running 15 tests"), None);
         assert_eq!(read_result("test result: nonsense"), None);
+    }
+
+    #[test]
+    fn skips_are_counted_once_a_test() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("skips");
+        assert!(take_skips(&file).unwrap().is_empty());
+        let text = "a::b\tffmpeg\tnone\na::c\tffmpeg\tnone\na::b\tpython\tneither\n";
+        std::fs::write(&file, text).unwrap();
+        let skips: Vec<_> = take_skips(&file).unwrap().into_iter().collect();
+        assert_eq!(skips, ["a::b: ffmpeg: none", "a::c: ffmpeg: none"]);
+        assert!(!file.exists());
+    }
+
+    #[test]
+    fn all_peers_are_required_but_those_left_out() {
+        let list = required(&[Peer::Blender]);
+        let named: Vec<Peer> = list.split(',').map(|name| name.parse().unwrap()).collect();
+        assert_eq!(named.len(), Peer::ALL.len() - 1);
+        assert!(!named.contains(&Peer::Blender) && named.contains(&Peer::Ffmpeg));
     }
 }

@@ -14,11 +14,11 @@ use std::str::FromStr;
 /// What is done where evening the brightness out would take a brighter display.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum GainMode {
-    /// The image is as bright as its most demanding pixel allows: nothing clips
+    /// As bright as the pixel of lowest gain allows: nothing clips
     Fit,
     /// A white image clips at a tenth of its pixels
     Clip,
-    /// As clip, with a soft shoulder instead of an edge
+    /// As clip, with a soft shoulder (highlights keep their details)
     Soft,
 }
 

@@ -95,7 +95,7 @@ impl Colour {
     pub fn lines(&self) -> String {
         let found = &self.evenness;
         let mut lines = format!(
-            "a white field, brightest over darkest: {} as it is, {} with --gain fit (white at {}); --gain clip: white at {}, {} of it clipped\n",
+            "uniformity of a white field (maximum over minimum): {} without correction, {} with --gain fit (white level {}); --gain clip: white level {}, {} clipped\n",
             ratio(found.plain),
             ratio(found.even),
             percent(found.fit_level),
@@ -116,9 +116,9 @@ impl Colour {
     pub fn summary(&self) -> Vec<SummaryRow> {
         let found = &self.evenness;
         let mut rows = vec![SummaryRow {
-            label: "White field, brightest over darkest".to_owned(),
+            label: "Uniformity of a white field, maximum over minimum".to_owned(),
             value: ratio(found.even),
-            note: format!("with --gain fit; {} as it is", ratio(found.plain)),
+            note: format!("with --gain fit; {} without correction", ratio(found.plain)),
         }];
         if let Some(fringes) = &self.fringes {
             rows.push(SummaryRow {
@@ -135,7 +135,7 @@ impl Colour {
         let found = &self.evenness;
         let [least, most] = found.gain.range().unwrap_or_default();
         let gain = format!(
-            "The gain of each display pixel: from {:.1} (dark) to {:.1} % (white) of the light arrives. Black: no answer.",
+            "The gain of each display pixel, from {:.1} (dark) to {:.1} % (white). Black: no answer.",
             100.0 * least,
             100.0 * most
         );
@@ -145,9 +145,12 @@ impl Colour {
                 figure(&gain_picture(&found.gain), &gain)?,
                 figure(
                     &plain,
-                    "A white field as it is seen, its differences stretched. Black: not formed, or at the edge.",
+                    "View of a white field, contrast stretched. Black: not formed, or at the edge.",
                 )?,
-                figure(&even, "The same with the gain divided out (--gain fit), stretched alike.")?,
+                figure(
+                    &even,
+                    "The same with uniformity correction (--gain fit), stretched alike.",
+                )?,
             ]),
             Block::Table(self.brightness_table()),
         ];
@@ -164,7 +167,7 @@ impl Colour {
         }
         let of_plate = match scene.plate.model {
             PlateModel::SlitMirror(_) => "The scene's slit-mirror plate",
-            PlateModel::Ideal => "The usual slit-mirror plate in the ideal one's place",
+            PlateModel::Ideal => "A typical slit-mirror plate instead of the ideal one",
         };
         blocks
             .push(Block::Text(format!("Stray light. {of_plate}, with its lattice averaged over:")));
@@ -189,13 +192,13 @@ impl Colour {
         Table {
             caption: "A white field: the worst of red, green and blue".to_owned(),
             head: vec![
-                ["", "brightest over darkest", "white, of the display's", "clipped"]
+                ["", "maximum over minimum", "white level", "clipped"]
                     .map(|text| (text.to_owned(), 1))
                     .into(),
             ],
             rows: vec![
                 vec![
-                    Cell::text("as it is"),
+                    Cell::text("without correction"),
                     Cell::number(Some(found.plain), 4),
                     Cell::text("-"),
                     share(0.0),

@@ -1,15 +1,7 @@
-//! Real films through the real ffmpeg; where that is missing the tests skip themselves with a note.
+//! Real films through the real ffmpeg.
 
 use super::*;
 use std::process::Command;
-
-fn no_ffmpeg() -> bool {
-    let missing = Command::new("ffmpeg").arg("-version").output().is_err();
-    if missing {
-        println!("skipped: no ffmpeg");
-    }
-    missing
-}
 
 fn noise(length: usize, seed: u32) -> Vec<u8> {
     (0..length as u32)
@@ -23,7 +15,7 @@ const BASE: [u64; 2] = [1001, 30000];
 
 #[test]
 fn frames_and_their_times_survive_a_lossless_codec_to_the_bit() {
-    if no_ffmpeg() {
+    if !midair_peers::ffmpeg() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
@@ -65,7 +57,7 @@ fn frames_and_their_times_survive_a_lossless_codec_to_the_bit() {
 
 #[test]
 fn parts_are_joined_with_their_times_and_begin_where_they_should() {
-    if no_ffmpeg() {
+    if !midair_peers::ffmpeg() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
@@ -128,7 +120,7 @@ fn parts_are_joined_with_their_times_and_begin_where_they_should() {
 
 #[test]
 fn what_ffmpeg_complains_of_is_passed_on() {
-    if no_ffmpeg() {
+    if !midair_peers::ffmpeg() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
@@ -155,7 +147,7 @@ fn what_ffmpeg_complains_of_is_passed_on() {
 
 #[test]
 fn colours_come_back_within_the_roundings_of_yuv() {
-    if no_ffmpeg() {
+    if !midair_peers::ffmpeg() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();

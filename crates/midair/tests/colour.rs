@@ -129,20 +129,16 @@ fn a_white_field_is_even_through_the_slit_mirror_plate_too() {
 }
 
 #[test]
-fn a_map_for_each_colour_takes_the_bunny_s_fringes_away() {
-    let meshes =
-        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/meshes");
-    let Ok(file) = meshes.join("bunny-4k.obj").canonicalize() else {
-        println!("no bunny in ../shared/data/meshes: not tested");
-        return;
-    };
-    // As scenes/paper/bunny.toml has it, of flint.
-    let bunny = format!(
-        "shape = {{ kind = \"mesh\", file = {:?}, scale = 8.0, unit = \"mm\" }}\nposition = [0.0, -38.0, 0.0]\n\
-         material = {{ glass = \"SF10\" }}",
-        file.display().to_string()
+fn a_map_for_each_colour_takes_a_mesh_s_fringes_away() {
+    let file =
+        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/meshes/spot.obj");
+    // Seen from the side, of flint.
+    let spot = format!(
+        "shape = {{ kind = \"mesh\", file = {:?}, scale = 40.0, unit = \"mm\" }}\nposition = [-4.0, 4.0, 0.0]\n\
+         rotation = [0.0, -90.0, 0.0]\nmaterial = {{ glass = \"SF10\" }}",
+        file.canonicalize().unwrap().display().to_string()
     );
-    let loaded = scene_of(0.0, &bunny, 256);
+    let loaded = scene_of(0.0, &spot, 256);
     let setup = Setup::new(&loaded).unwrap();
     let one = invert(&setup, Accuracy::default()).0;
     let found = fringes(&setup, &one, &LatticeStyle::default(), 512).unwrap();

@@ -1,27 +1,11 @@
 //! Maps in the hands of the tools they are for: the tool's own output against the map's meaning.
-//!
-//! The tests skip themselves, with a note, where a tool is missing.
 
 use midair::map::format::{Format, decode_channels, read_map, write_channels, write_map};
 use midair::map::{Map, Status, bleed, reversed};
 use midair::picture::{Drive, Filter, LightFrame, Warp};
-use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const SOURCE: [usize; 2] = [61, 47];
-
-/// A Python that has cv2 and numpy: the workspace's own, or the system's.
-fn python() -> Option<PathBuf> {
-    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../.venv/bin/python3");
-    let found = [own, PathBuf::from("python3")].into_iter().find(|python| {
-        let run = Command::new(python).args(["-c", "import cv2, numpy"]).output();
-        run.is_ok_and(|output| output.status.success())
-    });
-    if found.is_none() {
-        println!("skipped: no python3 with cv2 and numpy");
-    }
-    found
-}
 
 fn run(command: &mut Command) {
     let output = command.output().unwrap();
@@ -69,7 +53,7 @@ fn bilinear(source: &image::RgbImage, [u, v]: [f64; 2], channel: usize) -> f64 {
 
 #[test]
 fn opencv_remaps_as_the_map_says() {
-    let Some(python) = python() else { return };
+    let Some(python) = midair_peers::python() else { return };
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     let source = source_picture();
@@ -127,7 +111,7 @@ storage.write('map1', x); storage.write('map2', y); storage.release()
 
 #[test]
 fn numpy_reads_the_arrays_as_documented() {
-    let Some(python) = python() else { return };
+    let Some(python) = midair_peers::python() else { return };
     let folder = tempfile::tempdir().unwrap();
     write_map(&bent_map(), SOURCE, Format::Npy, &folder.path().join("map.npy")).unwrap();
     let script = "
@@ -143,8 +127,7 @@ assert uv[0, 40, 1] > uv[-1, 40, 1]
 
 #[test]
 fn ffmpeg_remaps_as_the_map_says() {
-    if Command::new("ffmpeg").arg("-version").output().is_err() {
-        println!("skipped: no ffmpeg");
+    if !midair_peers::ffmpeg() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
@@ -182,7 +165,7 @@ fn ffmpeg_remaps_as_the_map_says() {
 /// The forward map in OpenCV's hands turns what the display shows back into the picture.
 #[test]
 fn opencv_undoes_the_map_with_its_reverse() {
-    let Some(python) = python() else { return };
+    let Some(python) = midair_peers::python() else { return };
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     let size = [300, 240];
@@ -235,14 +218,7 @@ cv2.imwrite(folder + 'seen.png', seen)
 /// Blender's compositor, by the Python with `bpy` that the set-up of the tests makes, or the one that MIDAIR_BPY_PYTHON names.
 #[test]
 fn blender_maps_uv_as_the_map_says() {
-    let named = std::env::var_os("MIDAIR_BPY_PYTHON").map(PathBuf::from);
-    let made = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../.venv-blender/bin/python3");
-    let python = named.unwrap_or(made);
-    let there = Command::new(&python).args(["-c", "import bpy"]).output();
-    if !there.is_ok_and(|output| output.status.success()) {
-        println!("skipped: no Python with bpy (Blender); name one in MIDAIR_BPY_PYTHON");
-        return;
-    }
+    let Some(python) = midair_peers::blender() else { return };
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     let size = [96, 64];
@@ -324,7 +300,7 @@ bpy.ops.render.render(write_still=True)
 
 #[test]
 fn opencv_s_storages_of_every_form_are_read() {
-    let Some(python) = python() else { return };
+    let Some(python) = midair_peers::python() else { return };
     let folder = tempfile::tempdir().unwrap();
     let script = "
 import cv2, numpy, sys

@@ -34,12 +34,9 @@ fn main() -> Outcome<()> {
     let sizes = if has("--quick") { Sizes::QUICK } else { Sizes::FULL };
     if let Some(name) = value(memory::ONCE) {
         let mut rows = rows::of_midair(&sizes);
-        rows.extend(warp::ours_alone(&sizes));
+        rows.extend(warp::rows(&sizes));
         rows.extend(live::rows(&sizes));
-        rows.push(rows::program(&sizes)?);
-        if let Some(file) = value(BUNNY) {
-            rows.push(rows::bunny(file.into())?);
-        }
+        rows.extend(value(BUNNY).map(|file| rows::bunny(file.into())));
         return match rows.into_iter().find(|row| row.name == name) {
             Some(row) => {
                 row.prepare()?()?;
@@ -53,16 +50,13 @@ fn main() -> Outcome<()> {
         return Ok(());
     }
     let mut rows = rows::of_midair(&sizes);
-    rows.push(rows::program(&sizes)?);
-    rows.extend(warp::rows(&sizes)?);
+    rows.extend(warp::rows(&sizes));
     rows.extend(live::rows(&sizes));
     if has("--with-mitsuba") {
-        rows.extend(mitsuba::rows(&sizes)?);
+        rows.extend(mitsuba::rows(&sizes));
     }
     let bunny = value(BUNNY);
-    if let Some(file) = &bunny {
-        rows.push(rows::bunny(file.into())?);
-    }
+    rows.extend(bunny.as_ref().map(|file| rows::bunny(file.into())));
     if let Some(only) = value("--only") {
         rows.retain(|row| row.name.contains(&only));
     }

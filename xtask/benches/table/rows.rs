@@ -95,34 +95,28 @@ pub fn of_midair(sizes: &Sizes) -> Vec<Row> {
     }));
     rows.push(Row::new(SIMULATOR, some, simulator));
     pictures(&mut rows, [often, some, few]);
+    rows.push(program(some));
     rows
 }
 
 /// The paper's set-up with a bunny, which midair does not bring along.
-///
-/// # Errors
-/// Where the mesh is missing.
-pub fn bunny(file: PathBuf) -> Outcome<Row> {
-    if !file.is_file() {
-        return Err(format!("{}: the bunny's mesh is not there", file.display()).into());
-    }
-    Ok(Row::new("map, bunny", 1, move || Ok(map(set_ups::bunny_scene(&file)?))))
+pub fn bunny(file: PathBuf) -> Row {
+    Row::new("map, bunny", 1, move || match file.is_file() {
+        true => Ok(map(set_ups::bunny_scene(&file)?)),
+        false => Err(format!("{}: the bunny's mesh is not there", file.display()).into()),
+    })
 }
 
 /// The program from start to end.
-///
-/// # Errors
-/// Where it is not built.
-pub fn program(sizes: &Sizes) -> Outcome<Row> {
-    let Some(program) = midair_program() else {
-        return Err("the program is not there: `cargo build --release -p midair-cli`".into());
-    };
-    let work = move || Ok(compensate(program.clone()));
-    Ok(Row::new("program: midair compensate, sphere", sizes.rounds[1], work))
+fn program(rounds: usize) -> Row {
+    Row::new("program: midair compensate, sphere", rounds, || match midair_program() {
+        Some(program) => Ok(compensate(program)),
+        None => Err("the program is not built: cargo build --release -p midair-cli".into()),
+    })
 }
 
 /// The forward simulator at work.
-const SIMULATOR: &str = "view light by light, cylinder, slit-mirror plate, 64 paths a pixel";
+const SIMULATOR: &str = "Monte Carlo view, cylinder, slit-mirror plate, 64 paths a pixel";
 
 /// 512 x 512 pixels through the paper's cylinder and the usual plate, by a pupil of 6 mm.
 ///

@@ -44,32 +44,19 @@ fn version() -> Outcome<String> {
 }
 
 /// Frames of RGB through a lens-like map, at 1080p and 4K.
-///
-/// # Errors
-/// Where OpenCV is missing: a table without the peer says nothing.
-pub fn rows(sizes: &Sizes) -> Outcome<Vec<Row>> {
-    let [often, some, _] = sizes.rounds;
-    let version = version()?;
-    let mut rows = ours_alone(sizes);
-    for (size, name, rounds) in [([1920, 1080], "1080p", often), ([3840, 2160], "4K", some)] {
-        for maps in ["float", "fixed"] {
-            let label = format!("warp by OpenCV {version} remap, bilinear, {maps} maps, {name}");
-            let mut row = Row::new(&label, rounds, move || theirs(size, maps));
-            row.watch_memory = false;
-            rows.push(row);
-        }
-    }
-    Ok(rows)
-}
-
-/// The rows without a peer.
-pub fn ours_alone(sizes: &Sizes) -> Vec<Row> {
+pub fn rows(sizes: &Sizes) -> Vec<Row> {
     let [often, some, _] = sizes.rounds;
     let mut rows = Vec::new();
     for (size, name, rounds) in [([1920, 1080], "1080p", often), ([3840, 2160], "4K", some)] {
         for (filter, what) in [(Filter::Bilinear, "bilinear"), (Filter::Sharp, "sharp")] {
             let label = format!("warp of a film's frame (apply), {what}, {name}");
             rows.push(Row::new(&label, rounds, move || ours(size, filter)));
+        }
+        for maps in ["float", "fixed"] {
+            let label = format!("warp by OpenCV's remap, bilinear, {maps} maps, {name}");
+            let mut row = Row::new(&label, rounds, move || theirs(size, maps));
+            row.watch_memory = false;
+            rows.push(row);
         }
     }
     rows
@@ -122,7 +109,10 @@ impl Drop for Peer {
     }
 }
 
+/// # Errors
+/// Where OpenCV is missing: a table without the peer says nothing.
 fn theirs(size: [usize; 2], maps: &str) -> Outcome<Work> {
+    let version = version()?;
     let threads = rayon::current_num_threads();
     let mut child = Command::new(python())
         .args(["-c", OPENCV])
@@ -152,6 +142,7 @@ fn theirs(size: [usize; 2], maps: &str) -> Outcome<Work> {
         let mut line = String::new();
         peer.from.read_line(&mut line)?;
         let time = Duration::from_secs_f64(line.trim().parse()?);
-        Ok(Done { remark: format!("last {}", per_second(time)), time: Some(time) })
+        let remark = format!("OpenCV {version}; last {}", per_second(time));
+        Ok(Done { remark, time: Some(time) })
     }))
 }

@@ -16,10 +16,10 @@ const SCENE: &str = include_str!("../../../../scenes/ball.toml");
 /// Samples per pixel of the paper's method: enough to show its holes, few enough to end in seconds.
 const SPLAT_SPP: usize = 4;
 
-/// Run a built-in set-up and picture from end to end, and write everything
+/// Run a built-in scene and picture from end to end, and write everything
 ///
 /// An acrylic ball with a picture floating at its centre: writes the scene, the picture, the display image, the map, the views, what can be
-/// formed, and report.html that shows it all. A good folder to begin your own set-up from.
+/// formed, and report.html that shows it all. Begin your own scene from this folder.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  midair demo --out first-try")]
 pub struct Arguments {

@@ -11,7 +11,7 @@ use midair::evaluate::paper::{
 };
 use midair::files::{Output, write_bytes_atomically};
 use midair::map::format::FileError;
-use midair::measure::lpips::{Backbone, Lpips, LpipsError};
+use midair::measure::lpips::{Lpips, LpipsError};
 use midair::optics::plate::{Model, SlitMirror, SlitMirrorPlate};
 use midair::picture::{Depth, Picture, READ, is_picture_name, write_still};
 use midair::scene::{Loaded, load};
@@ -22,10 +22,10 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Redo the paper's evaluation: likeness of photographs, displacement of a lattice, its figures beside ours
+/// Repeat the paper's evaluation: similarity of photographs, displacement of a lattice, compared with the published figures
 ///
 /// Views of the paper's cylinder, cube and bent mirrors (which bend either way, as the paper does not say which) are rendered through the
-/// plate: without the object, compensated, and without compensation. Writes report.html, a page that stands on its own, report.json, and a
+/// plate: without the object, compensated, and without compensation. Writes report.html, self-contained, report.json, and a
 /// strip of the three views for each photograph.
 #[derive(Debug, clap::Args)]
 #[command(
@@ -58,7 +58,7 @@ pub struct Arguments {
 /// How the plate is modelled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 enum PlateKind {
-    /// Two layers of slit mirrors, light by light: blur, loss and stray light
+    /// Two layers of slit mirrors, by Monte Carlo path tracing: blur, loss and stray light
     #[default]
     SlitMirror,
     /// Plane symmetry, without loss
@@ -133,11 +133,14 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
             .map(Model::from)
             .map_err(|error| Failure::Told { message: error.to_string(), help: None })?,
     };
-    let (lpips, missing) = match Lpips::find(Backbone::Alex) {
+    let (lpips, missing) = match Lpips::find() {
         Ok(lpips) => (Some(lpips), None),
         Err(error @ LpipsError::NoWeights { .. }) => (None, Some(error.to_string())),
         Err(error) => {
-            return Err(Failure::new(error.to_string(), "remove the file, or get it again"));
+            return Err(Failure::new(
+                error.to_string(),
+                "remove the file, or get it again: midair weights",
+            ));
         }
     };
     notes.extend(missing.iter().map(|why| format!("LPIPS was not computed. {why}.")));

@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// One map for several viewpoints at once: the least-squares compromise, and what it leaves at each
+/// Make one map for several viewpoints: the least-squares compromise, and the displacement that it leaves at each
 ///
 /// For both eyes, a region, or viewpoints of your own. Writes the map, display.png if there is a picture, and report.json with the displacement that remains
 /// at each viewpoint, beside that of the map for the scene's viewpoint alone.

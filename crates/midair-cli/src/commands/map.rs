@@ -10,7 +10,7 @@ use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Convert maps between tools, extend them beyond their edge, turn them about
+/// Convert maps between tools, extrapolate them, invert them
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  midair map convert out/map.exr map.mpcdi --source 1920x1080")]
 pub struct Arguments {
@@ -23,7 +23,7 @@ enum Command {
     Convert(Convert),
 }
 
-/// Convert a map from one tool's form to another's
+/// Convert a map from one tool's format to another's
 ///
 /// The kinds are those of `midair compensate --format`. A name ending in .exr, .npy, .png, .pgm, .yml, .xml, .json or .mpcdi tells its kind, of two
 /// kinds the more general one; --from and --to tell it otherwise. Kinds of two files (ffmpeg, opencv) are named by either of them (xmap.pgm finds
@@ -48,17 +48,17 @@ struct Convert {
     /// Kind of the map to write
     #[arg(long, value_name = "KIND", value_parser = map_formats())]
     to: Option<Format>,
-    /// Pixels of the picture that the map is for; ffmpeg and opencv maps have no meaning without it
+    /// Pixels of the picture that the map is for; required by ffmpeg and opencv maps
     #[arg(long, value_name = "WxH")]
     source: Option<Size>,
     /// Region of an MPCDI file that has several, one for each projector
     #[arg(long, value_name = "ID")]
     region: Option<String>,
-    /// Go on for N pixels beyond the covered region; coverage stays as it is
+    /// Extrapolate the map by N pixels beyond its coverage; the coverage does not change
     #[arg(long, value_name = "N", default_value = "0", value_parser = clap::value_parser!(u16).range(0..=4096))]
     bleed: u16,
-    /// Turn the map about: write for each pixel of the picture (--source of them, or as many as the map has) the place on the
-    /// display that shows it; of such a map, the one for the display
+    /// Invert the map: write, for each pixel of the picture, the display point that shows it. The picture has --source pixels, or as many
+    /// as the map. The inverse of a forward map is the map for the display again
     #[arg(long, visible_alias = "reverse")]
     forward: bool,
 }

@@ -50,7 +50,7 @@ pub struct LatticeArguments {
     /// Photograph of where the intersections belong: tells how far each is from there
     #[arg(long, value_name = "PHOTO")]
     against: Option<PathBuf>,
-    /// What is taken off first, if the camera moved between the photographs
+    /// Alignment before the comparison, if the camera moved between the photographs
     #[arg(long, value_enum, default_value_t, requires = "against")]
     align: Align,
 }
@@ -58,12 +58,12 @@ pub struct LatticeArguments {
 /// See [`Alignment`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 enum Align {
-    /// Nothing: the camera stood still
+    /// None: the camera did not move
     #[default]
     None,
-    /// The mean shift
+    /// Translation
     Shift,
-    /// Shift, turn and size
+    /// Translation, rotation and scale
     Similarity,
 }
 

@@ -16,16 +16,17 @@ mod play;
 mod report;
 mod schema;
 mod view;
+mod weights;
 
 use crate::failure::Failure;
 use crate::summary::Voice;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
-/// What a display must show so that its mid-air image looks undistorted.
+/// What a display must show so that its mid-air image looks undistorted
 ///
-/// A scene file describes viewpoint, mid-air image, transparent and reflective objects, micro-mirror array plate and display.
-/// midair works out what the display must show, and proves it by simulating what the viewer sees.
+/// A scene file describes the viewpoint, the mid-air image, transparent and reflective objects, the micro-mirror array plate and the display.
+/// midair computes what the display must show, and verifies it by simulating what the viewer sees.
 #[derive(Debug, Parser)]
 #[command(name = "midair", version, arg_required_else_help = true, max_term_width = 100)]
 #[command(
@@ -57,6 +58,7 @@ enum Command {
     Map(map::Arguments),
     Measure(measure::Arguments),
     Evaluate(evaluate::Arguments),
+    Weights(weights::Arguments),
     Schema(schema::Arguments),
     Completions(completions::Arguments),
     Man(man::Arguments),
@@ -80,6 +82,7 @@ pub fn run(program: Program) -> Result<ExitCode, Failure> {
         Command::Map(arguments) => map::run(&arguments, voice),
         Command::Measure(arguments) => measure::run(&arguments, voice),
         Command::Evaluate(arguments) => evaluate::run(&arguments, voice),
+        Command::Weights(arguments) => weights::run(&arguments, voice),
         Command::Schema(arguments) => schema::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
         Command::Man(arguments) => man::run(&arguments, voice),
@@ -102,5 +105,34 @@ mod tests {
             let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
             assert!(help.contains("Example"), "{}", command.get_name());
         }
+    }
+
+    /// Help is prose for people: no marks of the source that it was written in.
+    #[test]
+    fn help_texts_are_free_of_source() {
+        fn look(command: &mut clap::Command, looked_at: &mut usize) {
+            for text in [command.render_help(), command.render_long_help()] {
+                let text = text.to_string();
+                for (number, line) in text.lines().enumerate() {
+                    let place = format!("{} {number}: {line}", command.get_name());
+                    // A shell's line goes on after a backslash at its end.
+                    let inner = line.strip_suffix('\\').unwrap_or(line);
+                    assert!(!inner.contains('\\'), "{place}");
+                    assert!(
+                        !["///", "[`", "`]", "::", "&mut", "TODO"].iter().any(|m| line.contains(m)),
+                        "{place}"
+                    );
+                }
+                assert_eq!(text.matches('"').count() % 2, 0, "{}", command.get_name());
+                *looked_at += 1;
+            }
+            for inner in command.get_subcommands_mut() {
+                look(inner, looked_at);
+            }
+        }
+        let (mut program, mut looked_at) = (Program::command(), 0);
+        program.build();
+        look(&mut program, &mut looked_at);
+        assert!(looked_at > 2 * 18, "{looked_at}");
     }
 }

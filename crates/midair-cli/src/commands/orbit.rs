@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Walk around: the views from -15 to 15 degrees with the map of one viewpoint, and with a map that follows the viewer
+/// Move the eye around the image: views from -15 to 15 degrees, with one fixed map and with a map for each eye position
 ///
 /// Writes orbit.html (strips, a chart of the lattice's displacement), displacement.svg (the chart), strip-fixed.png, strip-tracked.png, orbit.mp4 (fixed left, tracked right; needs ffmpeg)
 /// and orbit.json.

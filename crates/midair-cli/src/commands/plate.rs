@@ -21,7 +21,7 @@ use midair_report::drawing::{point_spread_chart, shares_chart, viewpoints_chart}
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// Show a plate's character: how much light, over which directions, how sharp
+/// Characterise a plate: efficiency by direction, luminance by viewpoint, sharpness
 ///
 /// Writes shares.png (what becomes of light over incidence and azimuth: mid-air image, stray light, through), viewpoints.png (the
 /// image's luminance over the viewer's azimuth and elevation), sharpness.png (how a point of the image spreads, and the modulation

@@ -15,7 +15,7 @@ use std::time::Duration;
 
 /// Show the compensated source live, following the viewer
 ///
-/// Opens a window for the light source's screen. Keys: Space pause, L lattice, U uncompensated, O figures, F fullscreen, Tab what to nudge, arrows and Page Up/Down
+/// Opens a window for the display's screen. Keys: Space pause, L lattice, U uncompensated, O figures, F fullscreen, Tab select what to nudge, arrows and Page Up/Down
 /// nudge it by 0.1 mm (with Ctrl turn it by 0.1 degree, with Shift ten times as much), S save the nudged scene, C take the tracker's reading as the
 /// viewpoint, Esc end.
 #[derive(Debug, clap::Args)]
@@ -46,7 +46,7 @@ pub struct Arguments {
     /// Pixels of the window, which is the display, instead of the scene's
     #[arg(long, value_name = "WxH")]
     size: Option<Size>,
-    /// What makes the picture: a graphics device (gpu), the processor (cpu), or the device if there is one that is not software (auto)
+    /// Renderer: a graphics device (gpu), the processor (cpu), or the device if there is a hardware one (auto)
     #[arg(long, value_name = "WHICH", value_enum, default_value_t)]
     renderer: RendererMode,
     /// Follow the viewer: opentrack:PORT (UDP over network) or osc:PORT (/midair/viewpoint x y z, mm)
@@ -58,13 +58,13 @@ pub struct Arguments {
     /// How it is turned, degrees (Rx*Ry*Rz)
     #[arg(long, value_name = "X,Y,Z", default_value = "0,0,0", allow_hyphen_values = true)]
     tracker_rotation: Point,
-    /// Take the tracker's readings as they are, without smoothing
+    /// Do not smooth the tracker's readings
     #[arg(long)]
     no_smoothing: bool,
-    /// Look so many ms ahead; left out: as long as a packet takes to the screen
+    /// Prediction in ms [default: the measured latency from packet to screen]
     #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u16).range(0..=100))]
     predict: Option<u16>,
-    /// Divide out how much of the display's light arrives, so that the image is even; the level is what the scene's own viewpoint allows
+    /// Uniformity correction: divide by the gain; the level is that of the scene's own viewpoint
     #[arg(long, value_name = "MODE", value_enum, num_args = 0..=1, default_missing_value = "fit")]
     gain: Option<GainMode>,
     /// Show figures: frames a second, the eye, latency
@@ -73,7 +73,7 @@ pub struct Arguments {
     /// File for the nudged scene [default: SCENE with -nudged in its name]
     #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
-    /// End after so many seconds
+    /// Quit after this many seconds
     #[arg(long = "for", value_name = "SECONDS", value_parser = crate::arguments::positive)]
     seconds: Option<f64>,
     /// Measure the latency from a packet to the screen, with a synthetic tracker (300 packets, 60 a second)

@@ -17,10 +17,10 @@ use midair::transport::Setup;
 use midair_report::drawing::test_picture;
 use std::path::PathBuf;
 
-/// Prove that a scene is compensated: views, lattice displacement, likeness, brightness, colour fringes, stray light, the paper's method
-/// beside ours
+/// Verify the compensation of a scene: views, lattice displacement, similarity, uniformity, colour fringes, stray light, comparison with the
+/// paper's method
 ///
-/// Writes report.html, a page that stands on its own, report.json with all figures, and the pictures.
+/// Writes report.html (self-contained), report.json with all figures, and the pictures.
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example:\n  midair report scene.toml --image photo.jpg --out out --splat-spp 0"

@@ -1,4 +1,4 @@
-//! `midair apply`, with the real ffmpeg; where that is missing, films are skipped with a note.
+//! `midair apply`, with the real ffmpeg.
 
 use super::{BALL, Bench, set_up, waves};
 use midair::map::format::{Format, read_map, write_map, write_map_and_gain};
@@ -7,14 +7,6 @@ use midair::picture::{Depth, display_image, read_still, srgb, write_still};
 use midair_video::{Decoder, probe};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
-
-pub fn no_ffmpeg() -> bool {
-    let missing = Command::new("ffmpeg").arg("-version").output().is_err();
-    if missing {
-        println!("skipped: no ffmpeg");
-    }
-    missing
-}
 
 pub fn ffmpeg(bench: &Bench, arguments: &str) {
     let output = Command::new("ffmpeg")
@@ -185,7 +177,7 @@ fn numbered_stills_are_done_one_by_one_and_gone_on_with() {
 
 #[test]
 fn a_film_keeps_its_sound_its_times_and_its_colours() {
-    if no_ffmpeg() {
+    if !midair_peers::ffmpeg() {
         return;
     }
     let bench = Bench::new();
@@ -231,7 +223,7 @@ fn a_film_keeps_its_sound_its_times_and_its_colours() {
 
 #[test]
 fn means_are_means_of_light_at_8_and_at_10_bits() {
-    if no_ffmpeg() {
+    if !midair_peers::ffmpeg() {
         return;
     }
     let bench = Bench::new();
@@ -296,7 +288,7 @@ fn caught(bench: &Bench, seconds: u32, piece: &str) -> Child {
 
 #[test]
 fn a_killed_run_leaves_no_film_and_is_gone_on_with() {
-    if no_ffmpeg() {
+    if !midair_peers::ffmpeg() {
         return;
     }
     let bench = Bench::new();
@@ -328,7 +320,7 @@ fn a_killed_run_leaves_no_film_and_is_gone_on_with() {
 #[cfg(unix)]
 #[test]
 fn an_interrupt_says_how_to_go_on() {
-    if no_ffmpeg() {
+    if !midair_peers::ffmpeg() {
         return;
     }
     let bench = Bench::new();
@@ -344,7 +336,7 @@ fn an_interrupt_says_how_to_go_on() {
 
 #[test]
 fn cut_damaged_and_missing_films_are_told() {
-    if no_ffmpeg() {
+    if !midair_peers::ffmpeg() {
         return;
     }
     let bench = Bench::new();
@@ -400,7 +392,7 @@ fn cut_damaged_and_missing_films_are_told() {
 
 #[test]
 fn films_are_made_of_pictures_and_pictures_of_films() {
-    if no_ffmpeg() {
+    if !midair_peers::ffmpeg() {
         return;
     }
     let bench = Bench::new();
@@ -494,7 +486,7 @@ fn a_maps_gain_is_divided_out_of_stills_and_films_and_survives_conversion() {
     bench.json(&["apply", "map.exr", "n%d.png", "s%d.png"]);
     // A code of sRGB near 0.25 to 0.5 is 0.004 to 0.006 of light; half of one each at reading and writing.
     level(&read_still(&bench.path("s2.png")).unwrap().picture.pixels, 0.006);
-    if no_ffmpeg() {
+    if !midair_peers::ffmpeg() {
         return;
     }
     let to = ["apply", "map.exr", "n%d.png", "film.mkv", "--", "-c:v", "ffv1", "-pix_fmt", "gbrp"];

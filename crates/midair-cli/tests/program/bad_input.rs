@@ -2,6 +2,7 @@
 
 use super::{BALL, Bench, set_up, waves};
 use midair::picture::{Depth, write_still};
+use std::process::Command;
 
 /// Runs `compensate` on a scene that must be refused; the message must have all these words.
 fn scene_is_refused(text: &str, words: &[&str]) {
@@ -142,17 +143,28 @@ fn places_that_cannot_be_written_are_named() {
     let said = bench.refuse(&["compensate", "ball.toml", "--out", "out"]);
     assert!(said.contains("map.exr"), "{said}");
     assert_eq!(std::fs::read(bench.path("file")).unwrap(), b"in the way");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt as _;
-        std::fs::create_dir(bench.path("locked")).unwrap();
-        std::fs::set_permissions(bench.path("locked"), std::fs::Permissions::from_mode(0o555))
-            .unwrap();
-        if std::fs::write(bench.path("locked/probe"), b"").is_ok() {
-            println!("the superuser may write everywhere: permissions are not tested");
-            return;
-        }
-        let said = bench.refuse(&["compensate", "ball.toml", "--out", "locked/out"]);
-        assert!(said.contains("locked/out") && said.contains("permission"), "{said}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_folder_that_may_not_be_written_is_told() {
+    use std::os::unix::fs::PermissionsExt as _;
+    if !midair_peers::namespaces() {
+        return;
     }
+    let bench = Bench::new();
+    bench.write("ball.toml", set_up(&format!("[display]\nresolution = [8, 8]\n{BALL}")));
+    std::fs::create_dir(bench.path("locked")).unwrap();
+    let mode = std::fs::Permissions::from_mode(0o555);
+    std::fs::set_permissions(bench.path("locked"), mode).unwrap();
+    // In a namespace where it is nobody's, even the superuser's process may do no more than its folder's mode allows.
+    let output = Command::new("unshare")
+        .args(["--user", env!("CARGO_BIN_EXE_midair")])
+        .args(["compensate", "ball.toml", "--out", "locked/out"])
+        .current_dir(bench.path(""))
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("locked/out") && said.contains("permission"), "{said}");
 }

@@ -21,8 +21,7 @@ fn furnished() -> Bench {
 fn no_command_writes_over_what_it_reads() {
     let bench = furnished();
     std::fs::create_dir(bench.path("X")).unwrap();
-    let keep =
-        |from: &str, to: &str| drop(std::fs::copy(bench.path(from), bench.path(to)).unwrap());
+    let keep = |from: &str, to: &str| _ = std::fs::copy(bench.path(from), bench.path(to)).unwrap();
     keep("p.png", "X/display.png");
     keep("p.png", "1.png");
     let mut runs: Vec<(Vec<&str>, &str)> = vec![

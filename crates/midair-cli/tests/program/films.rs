@@ -1,6 +1,6 @@
 //! `midair apply` on the kinds of film that people have; where ffmpeg is missing they are skipped with a note.
 
-use super::apply::{ffmpeg, frames, no_ffmpeg, said_by_ffprobe};
+use super::apply::{ffmpeg, frames, said_by_ffprobe};
 use super::{Bench, waves};
 use midair::map::Map;
 use midair::map::format::{Format, write_map};
@@ -22,7 +22,7 @@ fn length(bench: &Bench, name: &str) -> f64 {
 
 #[test]
 fn a_trimmed_film_is_what_its_edits_show() {
-    if no_ffmpeg() {
+    if !midair_peers::ffmpeg() {
         return;
     }
     let bench = bench();
@@ -44,7 +44,7 @@ fn a_trimmed_film_is_what_its_edits_show() {
 
 #[test]
 fn a_turned_film_is_shown_upright() {
-    if no_ffmpeg() {
+    if !midair_peers::ffmpeg() {
         return;
     }
     let bench = bench();
@@ -77,7 +77,7 @@ fn a_turned_film_is_shown_upright() {
 
 #[test]
 fn a_cover_is_no_film_and_alpha_is_black() {
-    if no_ffmpeg() {
+    if !midair_peers::ffmpeg() {
         return;
     }
     let bench = bench();
@@ -131,7 +131,7 @@ fn image_of(picture: &midair::picture::Picture, alpha: impl Fn(u32) -> u8) -> im
 
 #[test]
 fn the_new_film_says_which_matrix_it_has_whatever_the_options() {
-    if no_ffmpeg() {
+    if !midair_peers::ffmpeg() {
         return;
     }
     let bench = bench();
@@ -169,7 +169,7 @@ fn the_new_film_says_which_matrix_it_has_whatever_the_options() {
 
 #[test]
 fn the_last_picture_stands_as_long_as_in_the_source() {
-    if no_ffmpeg() {
+    if !midair_peers::ffmpeg() {
         return;
     }
     let bench = bench();
@@ -200,7 +200,7 @@ fn the_last_picture_stands_as_long_as_in_the_source() {
 
 #[test]
 fn names_may_hold_any_sign_and_gaps_are_told() {
-    if no_ffmpeg() {
+    if !midair_peers::ffmpeg() {
         return;
     }
     let bench = bench();
@@ -230,7 +230,7 @@ fn names_may_hold_any_sign_and_gaps_are_told() {
 
 #[test]
 fn subtitles_come_along_or_are_told_and_sound_that_cannot_is_refused_at_once() {
-    if no_ffmpeg() {
+    if !midair_peers::ffmpeg() {
         return;
     }
     let bench = bench();
@@ -256,7 +256,7 @@ fn subtitles_come_along_or_are_told_and_sound_that_cannot_is_refused_at_once() {
 
 #[test]
 fn films_of_a_wide_range_become_stills_by_the_stated_tone_mapping() {
-    if no_ffmpeg() {
+    if !midair_peers::ffmpeg() {
         return;
     }
     let bench = bench();
@@ -284,7 +284,7 @@ fn films_of_a_wide_range_become_stills_by_the_stated_tone_mapping() {
 #[cfg(unix)]
 #[test]
 fn two_runs_do_not_disturb_each_other() {
-    if no_ffmpeg() {
+    if !midair_peers::ffmpeg() {
         return;
     }
     let bench = bench();

@@ -1,4 +1,4 @@
-//! `midair play` in a real window under Xvfb, with real UDP packets; skipped with a note where Xvfb, xwd or xdotool is missing.
+//! `midair play` in a real window under Xvfb, with real UDP packets.
 
 use super::{BALL, Bench, set_up, waves};
 use midair::geometry::Vec3;
@@ -31,11 +31,7 @@ impl Drop for XScreen {
 
 impl XScreen {
     fn open() -> Option<Self> {
-        let there = |program: &str| {
-            Command::new(program).arg("-version").stdin(Stdio::null()).output().is_ok()
-        };
-        if !["Xvfb", "xwd", "xdotool"].into_iter().all(there) {
-            println!("skipped: no Xvfb, xwd and xdotool");
+        if !midair_peers::screen() {
             return None;
         }
         // Without -noreset it begins anew when its last client leaves: when xwd has made the first shot, as the show may be about to connect.
@@ -327,7 +323,7 @@ fn has_graphics(screen: &XScreen, stage: &Stage) -> bool {
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success() || said.contains("no graphics device"), "{said}");
     if !output.status.success() {
-        println!("skipped: {said}");
+        midair_peers::missing(midair_peers::Peer::Graphics, said.trim());
     }
     output.status.success()
 }

@@ -1,14 +1,12 @@
 //! Text in pictures.
 
 use midair::picture::Picture;
-use noto_sans_mono_bitmap::{
-    FontWeight, RasterHeight, RasterizedChar, get_raster, get_raster_width,
-};
+use midair_letters::{Glyph, Size};
 
 /// A size of text.
 #[derive(Clone, Copy, Debug)]
 pub struct Lettering {
-    height: RasterHeight,
+    size: Size,
     /// Linear-light colour.
     colour: [f32; 3],
 }
@@ -16,27 +14,27 @@ pub struct Lettering {
 impl Lettering {
     /// 16 pixels high.
     pub fn small(colour: [f32; 3]) -> Self {
-        Self { height: RasterHeight::Size16, colour }
+        Self { size: Size::Small, colour }
     }
 
     /// 20 pixels high.
     pub fn medium(colour: [f32; 3]) -> Self {
-        Self { height: RasterHeight::Size20, colour }
+        Self { size: Size::Medium, colour }
     }
 
     /// 32 pixels high.
     pub fn large(colour: [f32; 3]) -> Self {
-        Self { height: RasterHeight::Size32, colour }
+        Self { size: Size::Large, colour }
     }
 
     /// Pixels that a line of text takes in height.
     pub fn height(self) -> usize {
-        self.height.val()
+        self.size.height()
     }
 
     /// Pixels that a text takes in width.
     pub fn width(self, text: &str) -> usize {
-        text.chars().count() * get_raster_width(FontWeight::Regular, self.height)
+        self.size.width(text)
     }
 
     /// Writes a text with its top left corner at a pixel. What reaches beyond the picture is cut off.
@@ -46,27 +44,18 @@ impl Lettering {
 
     /// Writes a text `scale` times as large.
     pub fn enlarged(self, picture: &mut Picture, text: &str, [left, top]: [f64; 2], scale: f64) {
-        let advance = get_raster_width(FontWeight::Regular, self.height) as f64 * scale;
-        for (index, character) in text.chars().enumerate() {
-            // What the font lacks, an element's name in another script say, shows as a question mark.
-            let glyph = get_raster(character, FontWeight::Regular, self.height)
-                .or_else(|| get_raster('?', FontWeight::Regular, self.height));
-            if let Some(glyph) = glyph {
-                self.glyph(picture, &glyph, [left + index as f64 * advance, top], scale);
-            }
+        let mut left = left;
+        for character in text.chars() {
+            let glyph = self.size.glyph(character);
+            self.glyph(picture, &glyph, [left, top], scale);
+            left += glyph.width() as f64 * scale;
         }
     }
 
-    fn glyph(
-        self,
-        picture: &mut Picture,
-        glyph: &RasterizedChar,
-        [left, top]: [f64; 2],
-        scale: f64,
-    ) {
+    fn glyph(self, picture: &mut Picture, glyph: &Glyph, [left, top]: [f64; 2], scale: f64) {
         let cover = |x: isize, y: isize| -> f64 {
             let place = usize::try_from(x).ok().zip(usize::try_from(y).ok());
-            f64::from(place.and_then(|(x, y)| glyph.pixel(x, y)).unwrap_or(0)) / 255.0
+            f64::from(place.map_or(0, |(x, y)| glyph.cover(x, y))) / 255.0
         };
         let end =
             |start: f64, length: usize| (start + length as f64 * scale).ceil().max(0.0) as usize;
@@ -109,7 +98,7 @@ mod tests {
             .filter(|&(x, y)| inked(x, y))
             .collect();
         assert!(all.len() > 30);
-        let right = 10 + letters.width("Hi ?");
+        let right = 10 + letters.width("Hi \u{4e16}");
         assert!(
             all.iter().all(|&(x, y)| x >= 10 && x < right && y >= 12 && y < 12 + letters.height())
         );

@@ -10,7 +10,7 @@ use super::{Map, Status, bleed, pixel_at};
 /// place nearest to the source's middle is taken; from none, `Outside`. Places are as exact as bilinear interpolation of
 /// the map is; where the set-up is at hand [`forward`](super::forward()) knows them exactly. The error bound is infinite.
 ///
-/// Neighbouring samples are taken as lying on different sheets where they are more than three times as far apart as
+/// Neighbouring samples are taken as lying on different branches where they are more than three times as far apart as
 /// those before and behind them on the same line are from each other, and more than two pixels of the result.
 pub fn reversed(map: &Map, [width, height]: [usize; 2]) -> Map {
     let mut result = Map::unanswered(width, height);

@@ -159,7 +159,6 @@ fn comparable(first: &Plane, second: &Plane) -> Result<(), SimilarityError> {
 #[cfg(test)]
 mod tests {
     use std::io::Write;
-    use std::path::Path;
     use std::process::{Command, Stdio};
 
     use proptest::prelude::*;
@@ -207,11 +206,10 @@ mod tests {
         assert!((blurred_ssim(&a, &b).unwrap() - 0.965_703_859_9).abs() < 1e-6);
     }
 
-    /// scikit-image's mean SSIM of two planes, or None when it cannot be imported here.
-    fn by_scikit_image(a: &Plane, b: &Plane) -> Option<f64> {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-        let own = root.join(".venv/bin/python3");
-        let python = if own.exists() { own } else { "python3".into() };
+    #[test]
+    fn equals_scikit_image() {
+        let Some(python) = midair_peers::python() else { return };
+        let (a, b) = (chirp(83, 70, 4), altered(83, 70, 5));
         let program = format!(
             "import sys, numpy as np\n\
              from skimage.metrics import structural_similarity as ssim\n\
@@ -224,28 +222,17 @@ mod tests {
             .args(["-c", &program])
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
-            .stderr(Stdio::null())
             .spawn()
-            .ok()?;
+            .unwrap();
         let bytes: Vec<u8> =
             a.values.iter().chain(&b.values).flat_map(|value| value.to_le_bytes()).collect();
-        let sent = child.stdin.take()?.write_all(&bytes);
-        let output = child.wait_with_output().ok()?;
-        sent.ok()?;
-        String::from_utf8(output.stdout).ok()?.trim().parse().ok()
-    }
-
-    #[test]
-    fn equals_scikit_image_where_it_is_installed() {
-        let (a, b) = (chirp(83, 70, 4), altered(83, 70, 5));
-        match by_scikit_image(&a, &b) {
-            Some(theirs) => {
-                let ours = ssim(&a, &b).unwrap().mean;
-                // Same doubles in, same formula; only the order of sums differs.
-                assert!((ours - theirs).abs() < 1e-9, "{ours} {theirs}");
-            }
-            None => println!("skipped: python3 cannot import skimage (pip install scikit-image)"),
-        }
+        child.stdin.take().unwrap().write_all(&bytes).unwrap();
+        let output = child.wait_with_output().unwrap();
+        assert!(output.status.success(), "scikit-image failed: {}", output.status);
+        let theirs: f64 = String::from_utf8(output.stdout).unwrap().trim().parse().unwrap();
+        let ours = ssim(&a, &b).unwrap().mean;
+        // Same doubles in, same formula; only the order of sums differs.
+        assert!((ours - theirs).abs() < 1e-9, "{ours} {theirs}");
     }
 
     #[test]

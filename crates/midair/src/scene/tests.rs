@@ -305,7 +305,7 @@ fn display_behind_a_mirror_runs_against_the_image() {
 }
 
 proptest! {
-    /// DESIGN's line identity without elements: the ray from the viewpoint through any image point, turned
+    /// The line identity without elements: the ray from the viewpoint through any image point, turned
     /// by the plate, meets the display at that very st.
     #[test]
     fn without_elements_every_pixel_shows_at_its_own_place(

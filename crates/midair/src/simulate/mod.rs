@@ -1,8 +1,8 @@
 //! The forward simulator: what the viewpoint sees.
 //!
-//! Two ways: [`Camera::rays`] with [`view_through`](crate::picture::optimal::view_through) follow the one
-//! course that light has through an ideal plate and clear elements; [`render`] follows light by chance
-//! with everything that happens to it, through a pupil of any size and a plate of any kind.
+//! Two ways: [`Camera::rays`] with [`view_through`](crate::picture::optimal::view_through) trace one path for each
+//! ray, through an ideal plate and clear elements; [`render`] is a Monte Carlo path tracer
+//! with reflections, losses, a pupil of any size and a plate of any kind.
 
 mod bundle;
 mod camera;

@@ -45,7 +45,7 @@ impl PartialEq for Step {
     }
 }
 
-/// Everything that a path met, in order. Paths with equal steps form a *sheet* of the transport, on
+/// Everything that a path met, in order. Paths with equal steps lie on one *branch* of the transport, on
 /// which it is smooth.
 pub type Path = SmallVec<[Step; 6]>;
 

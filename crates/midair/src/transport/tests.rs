@@ -49,7 +49,7 @@ fn a_slab_shifts_the_ray_by_the_textbook_amount() {
     let shift = thickness * (angle - refracted).sin() / refracted.cos();
     let seen = (st.expect("reaches the display")[0] - 0.5) * 10.0;
     assert!((seen.abs() - shift).abs() < 1e-12, "{seen} {shift}");
-    // DESIGN's figure for the cube.
+    // The shift by a plane-parallel slab of 50 mm and 1.49 at 15.8 degrees.
     assert!((shift - 4.67).abs() < 0.005);
 }
 
@@ -170,72 +170,74 @@ prop_compose! {
 }
 
 proptest! {
-    /// DESIGN 3.4: with an ideal plate and the display at the image's mirror place, F(uv) is where the line of the
+    // Of so many more set-ups that are drawn, as many as are compared must form the point: half of all.
+    #![proptest_config(ProptestConfig { max_global_rejects: 256, ..ProptestConfig::default() })]
+
+    /// The line identity: with an ideal plate and the display at the image's mirror place, F(uv) is where the line of the
     /// ray that left the last element meets the image's plane.
     #[test]
     fn line_identity(setup in arbitrary_setup(), u in 0.0..1.0f64, v in 0.0..1.0f64) {
         let (st, path) = formed(&setup, [u, v]);
-        if let Some(st) = st {
-            let exit = before_plate(&setup, [u, v], &path);
-            let at = setup.image.coordinates(exit.at(setup.image.plane_distance(&exit)));
-            // Rounding grows with the distance along a grazing exit: relative to st itself.
-            let scale = 1.0 + st[0].abs() + st[1].abs();
-            prop_assert!((st[0] - at[0]).hypot(st[1] - at[1]) < 1e-11 * scale * scale, "{st:?} {at:?}");
-        }
+        prop_assume!(st.is_some());
+        let st = st.unwrap();
+        let exit = before_plate(&setup, [u, v], &path);
+        let at = setup.image.coordinates(exit.at(setup.image.plane_distance(&exit)));
+        // Rounding grows with the distance along a grazing exit: relative to st itself.
+        let scale = 1.0 + st[0].abs() + st[1].abs();
+        prop_assert!((st[0] - at[0]).hypot(st[1] - at[1]) < 1e-11 * scale * scale, "{st:?} {at:?}");
     }
 
     /// A solid is entered once and left once, and walked backwards the path arrives where it began.
     #[test]
     fn paths_are_reciprocal(setup in arbitrary_setup(), u in 0.0..1.0f64, v in 0.0..1.0f64) {
         let (st, path) = formed(&setup, [u, v]);
-        if st.is_some() {
-            let forth: Vec<Ray> = path.iter().scan(setup.ray([u, v]), |ray, step| {
-                *ray = setup.advance(ray, step);
-                Some(*ray)
-            }).collect();
-            let last = forth.last().expect("a path has a plate");
-            let mut ray = Ray { origin: last.at(10.0), direction: -last.direction };
-            for step in path.iter().rev() {
-                let crossing = match step.crossing {
-                    Crossing::Enter => Crossing::Leave,
-                    Crossing::Leave => Crossing::Enter,
-                };
-                let action = match step.action {
-                    Action::Refract { eta } => Action::Refract { eta: 1.0 / eta },
-                    other => other,
-                };
-                ray = setup.advance(&ray, &Step { crossing, action, ..*step });
-            }
-            let miss = setup.viewpoint - ray.origin;
-            let across = miss - ray.direction * miss.dot(ray.direction);
-            // Over a metre and two refractions, grazing ones magnified.
-            prop_assert!(across.length() < 1e-6, "{across:?}");
+        prop_assume!(st.is_some());
+        let forth: Vec<Ray> = path.iter().scan(setup.ray([u, v]), |ray, step| {
+            *ray = setup.advance(ray, step);
+            Some(*ray)
+        }).collect();
+        let last = forth.last().expect("a path has a plate");
+        let mut ray = Ray { origin: last.at(10.0), direction: -last.direction };
+        for step in path.iter().rev() {
+            let crossing = match step.crossing {
+                Crossing::Enter => Crossing::Leave,
+                Crossing::Leave => Crossing::Enter,
+            };
+            let action = match step.action {
+                Action::Refract { eta } => Action::Refract { eta: 1.0 / eta },
+                other => other,
+            };
+            ray = setup.advance(&ray, &Step { crossing, action, ..*step });
         }
+        let miss = setup.viewpoint - ray.origin;
+        let across = miss - ray.direction * miss.dot(ray.direction);
+        // Over a metre and two refractions, grazing ones magnified.
+        prop_assert!(across.length() < 1e-6, "{across:?}");
     }
 
     /// Dual numbers against central differences.
     #[test]
     fn derivatives_are_right(setup in arbitrary_setup(), u in 0.05..0.95f64, v in 0.05..0.95f64) {
         let (st, mut path) = formed(&setup, [u, v]);
-        if let Some(st) = st {
-            let (at, jacobian) = setup.follow_with_jacobian([u, v], &mut path);
-            prop_assert!((at[0] - st[0]).hypot(at[1] - st[1]) < 1e-12 * (1.0 + st[0].abs() + st[1].abs()));
-            let h = 1e-5;
-            for axis in 0..2 {
-                let mut step = [0.0; 2];
-                step[axis] = h;
-                let plus = setup.follow([u + step[0], v + step[1]], &mut path.clone());
-                let minus = setup.follow([u - step[0], v - step[1]], &mut path.clone());
-                for c in 0..2 {
-                    let difference = (plus[c] - minus[c]) / (2.0 * h);
-                    // Error of central differences: h^2 times the third derivative, which near the rim of a ball is
-                    // the derivative to the fifth power.
-                    let steepest = jacobian.as_flattened().iter().fold(0.0f64, |m, d| m.max(d.abs()));
-                    let allowed = 1e-5 * (1.0 + steepest.powi(5));
-                    if difference.is_finite() {
-                        prop_assert!((difference - jacobian[c][axis]).abs() < allowed, "{difference} {}", jacobian[c][axis]);
-                    }
-                }
+        prop_assume!(st.is_some());
+        let st = st.unwrap();
+        let (at, jacobian) = setup.follow_with_jacobian([u, v], &mut path);
+        prop_assert!((at[0] - st[0]).hypot(at[1] - st[1]) < 1e-12 * (1.0 + st[0].abs() + st[1].abs()));
+        let h = 1e-5;
+        for axis in 0..2 {
+            let mut step = [0.0; 2];
+            step[axis] = h;
+            let plus = setup.follow([u + step[0], v + step[1]], &mut path.clone());
+            let minus = setup.follow([u - step[0], v - step[1]], &mut path.clone());
+            for c in 0..2 {
+                let difference = (plus[c] - minus[c]) / (2.0 * h);
+                // Error of central differences: h^2 times the third derivative, which near the rim of a ball is
+                // the derivative to the fifth power.
+                let steepest = jacobian.as_flattened().iter().fold(0.0f64, |m, d| m.max(d.abs()));
+                let allowed = 1e-5 * (1.0 + steepest.powi(5));
+                // A step may lead past an edge.
+                prop_assume!(difference.is_finite());
+                prop_assert!((difference - jacobian[c][axis]).abs() < allowed, "{difference} {}", jacobian[c][axis]);
             }
         }
     }
@@ -255,6 +257,7 @@ proptest! {
         // Touching from outside: a second solid that begins exactly where the first ends.
         let (touching, _) = formed(&build(30.0), [u, v]);
         let (gap, _) = formed(&build(30.0 - 1e-7), [u, v]);
+        prop_assume!(touching.is_some() || gap.is_some());
         match (touching, gap) {
             (Some(a), Some(b)) => prop_assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 1e-5, "{a:?} {b:?}"),
             (a, b) => prop_assert_eq!(a.is_some(), b.is_some()),
@@ -276,10 +279,9 @@ proptest! {
         let (a, path_a) = formed(&whole, [u, v]);
         let (b, path_b) = formed(&halves, [u, v]);
         // Where a path leaves through the seam's own rim either answer is right.
-        if path_a.len() + 2 == path_b.len() {
-            let (a, b) = (a.expect("three steps and the display"), b.expect("five steps and the display"));
-            prop_assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 1e-9, "{:?} {:?}", a, b);
-        }
+        prop_assume!(path_a.len() + 2 == path_b.len());
+        let (a, b) = (a.expect("three steps and the display"), b.expect("five steps and the display"));
+        prop_assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 1e-9, "{:?} {:?}", a, b);
     }
 
     /// A height field sampled from a ball's cap bends light as the ball does.
@@ -302,14 +304,15 @@ proptest! {
         let search = crate::geometry::Search { crossing: Some(Crossing::Enter), after: 0.0, standing_on: None };
         let hit = field.nearest(&ray, search);
         let truth = ball.nearest(&lifted, search);
-        if let (Some(hit), Some(truth)) = (hit, truth) && hit.face == 0 && ray.at(hit.t).x.abs() < 9.0 && ray.at(hit.t).y.abs() < 9.0 {
-            let (_, normal) = field.cross(&ray, hit.face, hit.crossing);
-            let (_, expected) = ball.cross(&lifted, truth.face, truth.crossing);
-            // A cubic spline at 0.2 mm errs by 5/384 h^4 f'''' = 1e-9 mm here, its slope by about 1e-7; the natural
-            // ends disturb the outermost samples, which are left out.
-            prop_assert!((hit.t - truth.t).abs() < 1e-8, "{} {}", hit.t, truth.t);
-            prop_assert!((normal - expected).length() < 1e-6);
-        }
+        // x and y reach 6 and lean by 2 at most on their way: inside the cap, away from its rim.
+        let (hit, truth) = (hit.expect("a cap"), truth.expect("a ball"));
+        prop_assert!(hit.face == 0 && ray.at(hit.t).x.abs() < 9.0 && ray.at(hit.t).y.abs() < 9.0);
+        let (_, normal) = field.cross(&ray, hit.face, hit.crossing);
+        let (_, expected) = ball.cross(&lifted, truth.face, truth.crossing);
+        // A cubic spline at 0.2 mm errs by 5/384 h^4 f'''' = 1e-9 mm here, its slope by about 1e-7; the natural
+        // ends disturb the outermost samples, which are left out.
+        prop_assert!((hit.t - truth.t).abs() < 1e-8, "{} {}", hit.t, truth.t);
+        prop_assert!((normal - expected).length() < 1e-6);
     }
 }
 

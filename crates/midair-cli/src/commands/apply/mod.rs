@@ -17,8 +17,8 @@ use std::path::{Path, PathBuf};
 
 /// Apply a map to a still, a film or numbered stills: what the display must show
 ///
-/// Films go through ffmpeg, frame by frame with their times; sound, chapters and descriptions are taken over as they are. Colours are averaged in linear
-/// light. A film is made in pieces: if it is interrupted, the same command with --resume goes on.
+/// Films are decoded and encoded by ffmpeg. Each frame keeps its time stamp; sound, chapters and metadata are copied. Pixels are interpolated in linear
+/// light. A film is made in pieces: after an interruption, the same command with --resume continues.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  midair apply out/map.exr photo.jpg display.png\n  \
     midair apply out/map.exr film.mp4 display.mp4\n  \
@@ -29,14 +29,14 @@ use std::path::{Path, PathBuf};
 pub struct Arguments {
     /// The map
     map: PathBuf,
-    /// What the mid-air image is to show: a picture (PNG, JPEG, TIFF, WebP, BMP, OpenEXR), a film (whatever ffmpeg reads), or numbered pictures
+    /// What the mid-air image shows: a picture (PNG, JPEG, TIFF, WebP, BMP, OpenEXR), a film (any format that ffmpeg reads), or numbered pictures
     /// (frames/%04d.png)
     #[arg(value_name = "IN")]
     input: PathBuf,
     /// What to write: a picture, a film, or numbered pictures
     #[arg(value_name = "OUT")]
     output: PathBuf,
-    /// Kind of the map, where its name does not tell
+    /// Format of the map, if its name does not tell
     #[arg(long, value_name = "KIND", value_parser = map_formats())]
     from: Option<Format>,
     /// Pixels of the picture that an ffmpeg or opencv map was made for [default: those of IN]
@@ -45,29 +45,28 @@ pub struct Arguments {
     /// Region of an MPCDI map that has several, one for each projector
     #[arg(long, value_name = "ID")]
     region: Option<String>,
-    /// How pixels are made of a film's frames; pictures are always done sharply
+    /// Filter for films; pictures always use sharp
     #[arg(long, value_enum, default_value_t)]
     filter: FilterName,
-    /// How a map's gain is divided out, so that the image is even (`compensate --gain` writes it into map.exr) [default: fit, if the
-    /// map has one]
+    /// Uniformity correction by the map's gain (`compensate --gain` writes it into map.exr) [default: fit, if the map has a gain]
     #[arg(long, value_name = "MODE", value_enum)]
     gain: Option<GainMode>,
-    /// Leave a map's gain alone
+    /// Ignore the map's gain
     #[arg(long, conflicts_with = "gain")]
     no_gain: bool,
     /// Frames a second of a film made of numbered pictures
     #[arg(long, value_name = "R", default_value = "25", value_parser = crate::arguments::positive)]
     rate: f64,
-    /// Go on where an interrupted run of the same command stopped
+    /// Continue an interrupted run of the same command
     #[arg(long)]
     resume: bool,
-    /// Take a damaged or cut film as far as it goes
+    /// Accept a damaged or truncated film: use the frames that can be decoded
     #[arg(long)]
     keep_going: bool,
-    /// Leave sound and subtitles out
+    /// Write no sound and no subtitles
     #[arg(long)]
     no_audio: bool,
-    /// Frames in a piece: what an interruption costs at most
+    /// Frames in a piece; an interruption loses one piece at most
     #[arg(long, value_name = "N", default_value = "250", value_parser = clap::value_parser!(u32).range(1..))]
     piece: u32,
     /// ffmpeg's options for its encoder, after --
@@ -78,10 +77,10 @@ pub struct Arguments {
 /// How pixels are made of frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 enum FilterName {
-    /// Averaged where the map shrinks, Catmull-Rom where it enlarges
+    /// Area average where the map minifies, Catmull-Rom where it magnifies
     #[default]
     Sharp,
-    /// Bilinear: the fastest
+    /// Bilinear interpolation, the fastest
     Bilinear,
 }
 
@@ -138,7 +137,7 @@ impl Ready {
 /// What is said of a gain that is divided out.
 fn evened(mode: GainMode, level: f64) -> String {
     format!(
-        "the map's gain is divided out ({}): white is {:.1} % of the display's",
+        "uniformity correction by the map's gain ({}): white is {:.1} % of the display's",
         mode.name(),
         100.0 * level
     )

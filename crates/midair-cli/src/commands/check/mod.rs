@@ -16,9 +16,9 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 pub use stray::Stray;
 
-/// Tell what part of the image can be formed, what cannot, and why
+/// Report which part of the image is formed, which is not, and why
 ///
-/// Also draws it: the image as the viewer sees it and the display's pixels, coloured by what becomes of them.
+/// Also draws it: the image as the viewer sees it, and the display's pixels, coloured by status.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  midair check scene.toml --out check.png --stray stray.png")]
 pub struct Arguments {

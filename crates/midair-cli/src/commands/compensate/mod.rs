@@ -19,9 +19,9 @@ mod files;
 
 pub use files::{write_display, write_maps};
 
-/// Work out what the display must show: the map, and the display image of a picture
+/// Compute what the display must show: the map, and the display image of a picture
 ///
-/// Writes the map (map.exr: R = u, G = v, A = 1 where ok), display.png if there is a picture, and report.json with counts, error bound and times.
+/// Writes the map (map.exr: R = u, G = v, A = 1 where ok), display.png if a picture is given, and report.json with pixel counts, error bound and times.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  midair compensate scene.toml --out out\n  \
     midair compensate scene.toml --image photo.jpg --out out --size 1920x1080 --optimal\n  \
@@ -45,24 +45,23 @@ pub struct Arguments {
     /// Samples per pixel of `splat` [default: 1000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     spp: Option<u32>,
-    /// The display image whose view comes nearest to the picture, by least squares
+    /// Find the display image whose view is nearest to the picture, by least squares
     #[arg(long, requires = "image")]
     optimal: bool,
-    /// Divide out how much of the display's light arrives (Fresnel's losses, tints, mirrors, the plate), so that the image is even
+    /// Uniformity correction: divide by the gain, the throughput of each display pixel's path (Fresnel losses, absorption, mirrors, the plate)
     #[arg(long, value_name = "MODE", value_enum, num_args = 0..=1, default_missing_value = "fit")]
     gain: Option<GainMode>,
-    /// A map for each of the display's colours, so that glass with dispersion leaves no fringes: map_r, map_g, map_b, and map_rgb.exr with
-    /// all three
+    /// Correct chromatic dispersion: make a map for each of the display's primaries. Writes map_r, map_g, map_b, and map_rgb.exr with all
+    /// three
     #[arg(long)]
     per_channel: bool,
     /// Kinds of map files, separated by commas
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "exr", value_parser = map_formats())]
     format: Vec<Format>,
-    /// Let the maps go on for N pixels beyond the covered region, for tools that interpolate between their pixels; coverage stays as it
-    /// is
+    /// Extrapolate the maps by N pixels beyond their coverage, for tools that interpolate between pixels; the coverage does not change
     #[arg(long, value_name = "N", default_value = "0", value_parser = clap::value_parser!(u16).range(0..=4096))]
     bleed: u16,
-    /// Write the forward map as well: for each pixel of the picture the place on the display that shows it (forward.exr, ...)
+    /// Write the forward map as well: for each pixel of the picture, the display point that shows it (forward.exr, ...)
     #[arg(long)]
     forward: bool,
 }
@@ -70,10 +69,10 @@ pub struct Arguments {
 /// How a map is made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Method {
-    /// Exactly, by adaptive inversion with an error bound
+    /// Invert the transport adaptively, with an error bound
     #[default]
     Inverse,
-    /// The paper's way: random samples through the view, kept where they land
+    /// The paper's method: random samples through the view, scattered onto the display
     Splat,
 }
 
@@ -223,7 +222,7 @@ fn brightness_lines(found: Brightness) -> String {
     let mut lines = String::new();
     if let Some(gain) = found.gain {
         lines += &format!(
-            "{:.1} to {:.1} % of the display's light arrives; evened out ({}) white is {:.1} % of the display's, {} of the samples clipped\n",
+            "gain {:.1} to {:.1} %; uniformity correction ({}): white is {:.1} % of the display's, {} of the samples clipped\n",
             100.0 * gain.least.unwrap_or_default(),
             100.0 * gain.most.unwrap_or_default(),
             gain.mode.name(),
@@ -233,7 +232,7 @@ fn brightness_lines(found: Brightness) -> String {
     }
     if let Some(share) = found.darker_than_black.filter(|share| *share > 0.0) {
         lines += &format!(
-            "{} of the samples are darker than the display's black: there the image stays too bright\n",
+            "{} of the samples are darker than the display's black: there the image is too bright\n",
             percent(share)
         );
     }

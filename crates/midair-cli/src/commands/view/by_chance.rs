@@ -30,27 +30,27 @@ pub const MEMORY_AS_RAYS: usize = 2;
 const REFRESH: Duration = Duration::from_secs(10);
 
 #[derive(Debug, clap::Args)]
-#[command(next_help_heading = "Light by light")]
+#[command(next_help_heading = "Monte Carlo path tracing")]
 pub struct Options {
-    /// Paths of light through each pixel; rounded up to a multiple of 8, best a power of two [default: 256]
+    /// Paths per pixel; rounded up to a multiple of 8, best a power of two [default: 256]
     #[arg(long, value_name = "N", conflicts_with = "supersampling", value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
     spp: Option<u32>,
-    /// How the plate treats light; left out: as the scene says
+    /// Model of the plate [default: the scene's]
     #[arg(long, value_name = "MODEL")]
     plate: Option<Model>,
     /// Diameter of the pupil in mm: an eye's is 2 to 8, a camera's its focal length over its f-number [default: 0]
     #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = length)]
     aperture: Option<f64>,
-    /// Distance from the eye, in mm, that it is focused at; left out: the image's plane
+    /// Focus distance from the eye in mm [default: the image's plane]
     #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = length)]
     focus: Option<f64>,
-    /// Which light is shown: that of the mid-air image, all else, or both [default: all]
+    /// Which light is shown [default: all]
     #[arg(long, value_name = "LIGHT")]
     light: Option<Which>,
-    /// What a PNG's light is multiplied by: a number, or auto, which makes the 99th percentile white [default: auto]
+    /// Exposure of a PNG: a factor, or auto, which maps the 99th percentile to white [default: auto]
     #[arg(long, value_name = "auto|FACTOR", allow_negative_numbers = true)]
     exposure: Option<Brightness>,
-    /// Chooses the random numbers [default: 0]
+    /// Seed of the random numbers [default: 0]
     #[arg(long, value_name = "N")]
     seed: Option<u32>,
 }
@@ -72,7 +72,7 @@ impl Options {
 enum Model {
     /// Plane symmetry, without loss
     Ideal,
-    /// Two crossed layers of slit mirrors: the scene's, or the usual ones
+    /// Two crossed layers of slit mirrors, with the scene's dimensions or typical ones
     SlitMirror,
 }
 

@@ -26,12 +26,12 @@ use std::time::Instant;
 
 /// Render what the viewer sees of a display
 ///
-/// The view shows the image's plane, so that a view pixel is an image point wherever the eye is. What no light of the display
-/// reaches is black.
+/// The view shows the image's plane: a view pixel is an image point, wherever the eye is. Pixels that no light of the display
+/// reaches are black.
 ///
-/// By itself it follows the one course that light has through an ideal plate and clear objects, seen by a pinhole. With --spp, or
-/// any other option under \"Light by light\", it follows light by chance with all that happens to it: reflections, absorption,
-/// dispersion, a pupil, the plate's micro-structure with its stray images.
+/// By default each ray follows one path, through an ideal plate and refracting or reflecting surfaces, into a pinhole. With --spp, or
+/// any other option under "Monte Carlo path tracing", light is traced statistically: with reflections, absorption,
+/// dispersion, a pupil of finite size, and the plate's mirrors with their stray images.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -49,16 +49,16 @@ pub struct Arguments {
     /// Picture to write: .png or .exr (linear light); may be given more than once
     #[arg(long, value_name = "FILE", required = true)]
     out: Vec<PathBuf>,
-    /// The eye in mm instead of the scene's viewpoint
+    /// Position of the eye in mm, instead of the scene's viewpoint
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     from: Option<Point>,
     /// Pixels of the view; left out: as wide as the scene's display, in the image's proportions
     #[arg(long, value_name = "WxH")]
     size: Option<Size>,
-    /// How much of the image's plane is shown: 1 the image exactly, 1.5 half as much again around it
+    /// Size of the view over the size of the image
     #[arg(long, default_value = "1", value_parser = positive)]
     window: f64,
-    /// Rays through each pixel along each side
+    /// Rays along each side of a pixel
     #[arg(long, value_name = "N", default_value = "2", value_parser = clap::value_parser!(u16).range(1..=64))]
     supersampling: u16,
     #[command(flatten)]

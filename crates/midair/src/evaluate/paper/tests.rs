@@ -111,7 +111,7 @@ fn the_cube_displaces_the_lattice_as_a_slab_does() {
     }
 }
 
-/// The display point that a map names is the mean of where light by light goes, through a bent mirror and a slit-mirror plate. A map
+/// The display point that a map names is the mean of where traced light arrives, through a bent mirror and a slit-mirror plate. A map
 /// for an ideal plate is off by half a millimetre, and not everywhere by the same.
 #[test]
 fn the_map_knows_the_mean_of_what_slit_mirrors_do() {

@@ -540,27 +540,6 @@ fn spot_is_watertight_as_shipped() {
 }
 
 #[test]
-fn bunnies_are_read_from_three_formats() {
-    let folder =
-        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/meshes");
-    if !folder.exists() {
-        println!("skipped: {} is not here", folder.display());
-        return;
-    }
-    for (file, vertices, faces, width) in [
-        ("bunny-4k.obj", 1839, 3674, 9.9),
-        ("bunny-7k.off", 3485, 6966, 0.156),
-        ("bunny-70k.ply", 34834, 69664, 0.156),
-    ] {
-        let (mesh, _) = load(&folder.join(file), Surface::Closed).unwrap();
-        assert_eq!((mesh.positions.len(), mesh.triangles.len()), (vertices, faces), "{file}");
-        let [low, high] = mesh.bounds();
-        assert!(((high.x - low.x) / width - 1.0).abs() < 0.01, "{file}");
-        assert!(mesh.signed_volume() > 0.0);
-    }
-}
-
-#[test]
 fn missing_files_and_unknown_formats_are_named() {
     for name in ["nothing/here.obj", "model.fbx", "model"] {
         let error = load(Path::new(name), Surface::Closed).unwrap_err();

@@ -132,7 +132,21 @@ pub(super) fn read_storage(
     let Some(source) = own().or(source).filter(|source| !source.contains(&0)) else {
         return Err(FileError::SourceUnknown { path: path.to_owned() });
     };
-    from_matrices(path, &chosen(path, storage.matrices)?, source)
+    // Files of others have none.
+    let is_coverage = |m: &Matrix| m.name == "coverage" && m.channels == 1;
+    let (cover, matrices): (Vec<Matrix>, _) = storage.matrices.into_iter().partition(is_coverage);
+    let mut loaded = from_matrices(path, &chosen(path, matrices)?, source)?;
+    if let Some(cover) = cover.first() {
+        let [width, height] = [loaded.map.width, loaded.map.height];
+        if (cover.width, cover.height) != (width, height) {
+            let problem =
+                format!("{} x {}, but the map is {width} x {height}", cover.width, cover.height);
+            let remedy = "write all from one map, or leave the coverage out";
+            return Err(FileError::malformed(path, "coverage", problem, remedy));
+        }
+        uncover(&mut loaded.map, cover.numbers.iter().map(|&cover| cover > 0.0));
+    }
+    Ok(loaded)
 }
 
 /// Which of a file's matrices are the map: the only one of two channels (and what fractions belong to it), or two of one channel.

@@ -73,8 +73,8 @@ impl Sample {
         self.arrives().is_some_and(|(at, _)| (at[0] - st[0]).hypot(at[1] - st[1]) < 1e-9)
     }
 
-    /// Whether both lie on the same sheet.
-    pub fn same_sheet(&self, other: &Self) -> bool {
+    /// Whether both lie on the same branch.
+    pub fn same_branch(&self, other: &Self) -> bool {
         match (self.arrives(), other.arrives()) {
             (Some((_, a)), Some((_, b))) => a == b && self.path == other.path,
             (None, None) => true,

@@ -1,4 +1,4 @@
-//! Inverting a sheet that is creased everywhere: seen through a mesh, F has a crease along each triangle's edge, so no
+//! Inverting a branch that is creased everywhere: seen through a mesh, F has a crease along each triangle's edge, so no
 //! polynomial holds over more than a few pixels, and each pixel is solved by itself.
 
 use super::cell::{Cell, Sample};
@@ -153,7 +153,7 @@ impl Known<'_> {
                 continue;
             }
             let found = Sample::take(self.setup, uv);
-            if found.same_sheet(corner) && found.reaches(target) {
+            if found.same_branch(corner) && found.reaches(target) {
                 let (column, row) = (column as u32, row as u32);
                 points.push(Point { column, row, uv, blocked: !through_plate });
             }
@@ -207,9 +207,9 @@ impl Known<'_> {
         }
     }
 }
-/// The corners' places on the display, if they lie on one sheet without a jump or a fold between them.
+/// The corners' places on the display, if they lie on one branch without a jump or a fold between them.
 fn smooth(corners: [&Sample; 4]) -> Option<[[f64; 2]; 4]> {
-    if !corners[1..].iter().all(|c| c.same_sheet(corners[0])) {
+    if !corners[1..].iter().all(|c| c.same_branch(corners[0])) {
         return None;
     }
     let mut st = [[0.0; 2]; 4];

@@ -1,11 +1,11 @@
 //! The map by adaptive inversion with an error bound.
 //!
-//! The image is cut into cells. On a cell where F is one smooth sheet without a fold, the exact
+//! The image is cut into cells. On a cell where F is one smooth branch without a fold, the exact
 //! inverse is found at Chebyshev nodes of the display rectangle that the cell fills (Newton's
 //! method with the derivatives that dual numbers carry), and a polynomial through them answers for
 //! all pixels of the rectangle whose image point lies in the cell; residuals of F between the nodes bound
 //! its error. Cells that a border or a fold cuts are halved down to a few pixels, and their
-//! pixels solved one by one on every sheet that reaches them. Each image point belongs to exactly one cell, so
+//! pixels solved one by one on every branch that reaches them. Each image point belongs to exactly one cell, so
 //! counting a pixel's answers tells the folded ones.
 
 mod cell;

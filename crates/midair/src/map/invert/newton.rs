@@ -1,9 +1,9 @@
-//! Solving F(uv) = st on one sheet of the transport.
+//! Solving F(uv) = st on one branch of the transport.
 
 use super::tally::count_ray;
 use crate::transport::{Setup, Step};
 
-/// A solution on a sheet, with the Jacobian of F there.
+/// A solution on a branch, with the Jacobian of F there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Solution {
     pub uv: [f64; 2],
@@ -11,7 +11,7 @@ pub(super) struct Solution {
 }
 
 /// Newton doubles the digits at each step, so a step this small leaves an error of about its square
-/// times the sheet's curvature: below 1e-12 for any curvature under 1e4.
+/// times the branch's curvature: below 1e-12 for any curvature under 1e4.
 const STEP: f64 = 1e-8;
 /// Newton steps enough from any start that leads somewhere.
 pub(super) const ITERATIONS: usize = 12;
@@ -30,7 +30,7 @@ pub(super) fn solve(
         let (at, jacobian) = setup.follow_with_jacobian(uv, path);
         let step = apply_inverse(jacobian, [st[0] - at[0], st[1] - at[1]]);
         let length = step[0].abs().max(step[1].abs());
-        // NaN: the sheet does not reach here. A long way off: this start leads nowhere.
+        // NaN: the branch does not reach here. A long way off: this start leads nowhere.
         if !(length < 4.0) {
             return None;
         }

@@ -6,7 +6,7 @@ use super::row::{MAX_DEGREE, RowPolynomial};
 use super::tally::count_ray;
 use crate::transport::{Setup, Step};
 
-/// The inverse of one sheet over a rectangle of the display: two polynomials of degree `degree` in each of the
+/// The inverse of one branch over a rectangle of the display: two polynomials of degree `degree` in each of the
 /// rectangle's coordinates, interpolating the exact inverse at Chebyshev nodes.
 #[derive(Clone, Debug)]
 pub(super) struct Patch {

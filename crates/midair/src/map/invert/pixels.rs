@@ -81,7 +81,7 @@ impl Raster {
 /// through meshes) may err.
 pub(super) const SAME: f64 = 2.5e-5;
 
-/// All image points of `cell` that reach pixels, on the sheets of the samples and, if `cut` (a border may run through
+/// All image points of `cell` that reach pixels, on the branches of the samples and, if `cut` (a border may run through
 /// the cell), on those that turn up.
 pub(super) fn solve_pixels(
     setup: &Setup,
@@ -95,7 +95,7 @@ pub(super) fn solve_pixels(
     let mut spreads: Vec<Spread> = Vec::new();
     let mut points: Vec<Point> = Vec::new();
     let mut next = 0;
-    // Far more sheets in one small cell are noise (the vertex of a faceted crystal).
+    // Far more branches in one small cell are noise (the vertex of a faceted crystal).
     while next < seeds.len().min(256) {
         let mut seed = seeds[next].clone();
         next += 1;
@@ -103,17 +103,17 @@ pub(super) fn solve_pixels(
         count_ray();
         let (_, jacobian) = setup.follow_with_jacobian(seed.uv, &mut seed.path);
         let sense = determinant(jacobian).signum();
-        let of_seed = |s: &Spread| s.sense == sense && s.sheet.same_sheet(&seed);
+        let of_seed = |s: &Spread| s.sense == sense && s.branch.same_branch(&seed);
         let index = spreads.iter().position(of_seed).unwrap_or_else(|| {
-            spreads.push(Spread { sheet: seed.clone(), sense, visited: HashSet::new() });
+            spreads.push(Spread { branch: seed.clone(), sense, visited: HashSet::new() });
             spreads.len() - 1
         });
         for solved in spreads[index].run(setup, raster, cell, &seed) {
             let point = Point { blocked: !through_plate, ..solved };
             if cut {
                 let found = Sample::take(setup, point.uv);
-                if !(found.same_sheet(&seed) && found.reaches(point.pixel(raster))) {
-                    if found.arrives().is_some() && !seeds.iter().any(|s| s.same_sheet(&found)) {
+                if !(found.same_branch(&seed) && found.reaches(point.pixel(raster))) {
+                    if found.arrives().is_some() && !seeds.iter().any(|s| s.same_branch(&found)) {
                         seeds.push(found);
                     }
                     continue;
@@ -125,9 +125,9 @@ pub(super) fn solve_pixels(
     points
 }
 
-/// One sheet in one sense within a cell, spreading from pixel to pixel.
+/// One branch in one sense within a cell, spreading from pixel to pixel.
 struct Spread {
-    sheet: Sample,
+    branch: Sample,
     sense: f64,
     visited: HashSet<(usize, usize)>,
 }

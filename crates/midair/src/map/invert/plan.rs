@@ -74,14 +74,14 @@ struct Planner<'a> {
     raster: Raster,
     tolerance: f64,
     survey: Survey,
-    /// Cells of the survey that touch a border of a sheet, or whose neighbour does.
+    /// Cells of the survey that touch a border of a branch, or whose neighbour does.
     border: Vec<bool>,
 }
 
-/// The survey's cells within one cell of a border of a sheet.
+/// The survey's cells within one cell of a border of a branch.
 fn border(survey: &Survey) -> Vec<bool> {
     let broken: Vec<bool> = (0..CELLS * CELLS)
-        .map(|index| !survey.is_one_sheet(index % CELLS, index / CELLS, 1))
+        .map(|index| !survey.is_one_branch(index % CELLS, index / CELLS, 1))
         .collect();
     (0..CELLS * CELLS)
         .map(|index| {
@@ -108,7 +108,7 @@ impl Planner<'_> {
             let sample = self.survey.interior(i, j);
             let seamless = sample.path.iter().any(|step| step.seamless);
             if seamless
-                && self.survey.is_one_sheet(i, j, 1)
+                && self.survey.is_one_branch(i, j, 1)
                 && let Some(fit) = self.fit_block(i, j, 1)
             {
                 tried += 1;
@@ -128,7 +128,7 @@ impl Planner<'_> {
     fn block(&self, i: usize, j: usize, size: usize) -> Outcome {
         let at_border =
             (j..j + size).any(|y| self.border[y * CELLS + i..y * CELLS + i + size].contains(&true));
-        if !at_border && self.survey.is_one_sheet(i, j, size) {
+        if !at_border && self.survey.is_one_branch(i, j, size) {
             let sample = self.survey.interior(i, j);
             if sample.arrives().is_none() {
                 return Outcome::Nothing;
@@ -148,7 +148,7 @@ impl Planner<'_> {
         )
     }
 
-    /// Tries a block that lies on one sheet; `None` where a fold is seen in it, or its light does not arrive.
+    /// Tries a block that lies on one branch; `None` where a fold is seen in it, or its light does not arrive.
     fn fit_block(&self, i: usize, j: usize, size: usize) -> Option<Fit> {
         let bounds = self.survey.bounds(i, j, size)?;
         if !self.survey.has_one_sense(i, j, size) {
@@ -178,8 +178,8 @@ impl Planner<'_> {
         }
         let mut bounds = EMPTY;
         arriving.iter().for_each(|&st| extend(&mut bounds, st));
-        let one_sheet = samples.iter().all(|s| s.same_sheet(&samples[0]));
-        if one_sheet
+        let one_branch = samples.iter().all(|s| s.same_branch(&samples[0]));
+        if one_branch
             && one_sense(n - 1, |x, y| Some(arriving[y * n + x]))
             && let Fit::Done(outcome) = self.fit(&samples, cell, bounds, 0.2 / (n - 1) as f64)
         {
@@ -193,11 +193,11 @@ impl Planner<'_> {
             self.raster,
             cell,
             &samples,
-            !(one_sheet && continuous(&arriving, n)),
+            !(one_branch && continuous(&arriving, n)),
         )))
     }
 
-    /// A smooth cell's patch, or its pixels if they are few. All samples lie on its one sheet.
+    /// A smooth cell's patch, or its pixels if they are few. All samples lie on its one branch.
     fn fit(&self, samples: &[Sample], cell: Cell, bounds: [[f64; 2]; 2], bulge: f64) -> Fit {
         let Some(rect) = self.raster.clip(bounds, bulge) else {
             return Fit::Done(Outcome::Nothing);
@@ -225,7 +225,7 @@ enum Fit {
     Failed,
 }
 
-/// Whether samples of one sheet on an n x n grid show no jump: on a mesh, light may leave by a face far away from its
+/// Whether samples of one branch on an n x n grid show no jump: on a mesh, light may leave by a face far away from its
 /// neighbour's. A jump between two samples is their whole difference and their second difference alike; on a smooth
 /// stretch second differences are the smaller.
 fn continuous(samples: &[[f64; 2]], n: usize) -> bool {

@@ -12,8 +12,8 @@ pub(super) const CELLS: usize = 64;
 pub(super) struct Survey {
     corners: Vec<Sample>,
     interior: Vec<Sample>,
-    /// Sheet of each sample, equal numbers for equal sheets: corners, then interiors.
-    sheets: Vec<u32>,
+    /// Branch of each sample, equal numbers for equal branches: corners, then interiors.
+    branches: Vec<u32>,
 }
 
 impl Survey {
@@ -44,8 +44,8 @@ impl Survey {
                 )
             })
             .collect();
-        let sheets = number_sheets(corners.iter().chain(&interior));
-        Self { corners, interior, sheets }
+        let branches = number_branches(corners.iter().chain(&interior));
+        Self { corners, interior, branches }
     }
 
     pub fn corner(&self, i: usize, j: usize) -> &Sample {
@@ -56,17 +56,17 @@ impl Survey {
         &self.interior[j * CELLS + i]
     }
 
-    /// Whether all samples of a block of cells lie on one sheet.
-    pub fn is_one_sheet(&self, i: usize, j: usize, size: usize) -> bool {
+    /// Whether all samples of a block of cells lie on one branch.
+    pub fn is_one_branch(&self, i: usize, j: usize, size: usize) -> bool {
         let rows = CELLS + 1;
-        let first = self.sheets[j * rows + i];
+        let first = self.branches[j * rows + i];
         let corners = (j..=j + size)
-            .all(|y| self.sheets[y * rows + i..=y * rows + i + size].iter().all(|&s| s == first));
+            .all(|y| self.branches[y * rows + i..=y * rows + i + size].iter().all(|&s| s == first));
         let base = rows * rows;
         corners
             && (j..j + size).all(|y| {
                 let start = base + y * CELLS + i;
-                self.sheets[start..start + size].iter().all(|&s| s == first)
+                self.branches[start..start + size].iter().all(|&s| s == first)
             })
     }
 
@@ -137,14 +137,14 @@ fn corner(i: usize, j: usize) -> [f64; 2] {
     [i as f64 / CELLS as f64, j as f64 / CELLS as f64]
 }
 
-fn number_sheets<'a>(samples: impl Iterator<Item = &'a Sample>) -> Vec<u32> {
+fn number_branches<'a>(samples: impl Iterator<Item = &'a Sample>) -> Vec<u32> {
     let mut known: Vec<&Sample> = Vec::new();
     let mut last = 0;
     samples
         .map(|sample| {
-            // Neighbours mostly share their sheet.
-            if known.get(last).is_none_or(|k| !k.same_sheet(sample)) {
-                last = known.iter().position(|k| k.same_sheet(sample)).unwrap_or_else(|| {
+            // Neighbours mostly share their branch.
+            if known.get(last).is_none_or(|k| !k.same_branch(sample)) {
+                last = known.iter().position(|k| k.same_branch(sample)).unwrap_or_else(|| {
                     known.push(sample);
                     known.len() - 1
                 });

@@ -1,4 +1,4 @@
-//! The map against a solver that shares nothing with it but the tracing of single rays: no derivatives, no sheets, no
+//! The map against a solver that shares nothing with it but the tracing of single rays: no derivatives, no branches, no
 //! cells.
 
 use super::*;

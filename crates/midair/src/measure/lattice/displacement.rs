@@ -145,9 +145,8 @@ mod tests {
                     .filter_map(|(a, b)| Some((*a)?[axis] - (*b)?[axis])).sum();
                 prop_assert!(sum.abs() < 1e-9);
             }
-            if turn.abs() > 0.01 {
-                prop_assert!(left(Alignment::Shift).max > 0.1);
-            }
+            prop_assume!(turn.abs() > 0.01);
+            prop_assert!(left(Alignment::Shift).max > 0.1);
         }
     }
 

@@ -1,4 +1,4 @@
-//! The layers of AlexNet and SqueezeNet: convolution, rectifier, maximum.
+//! The layers of AlexNet: convolution, rectifier, maximum.
 
 use ndarray::linalg::general_mat_mul;
 use ndarray::{Array2, ArrayView2};
@@ -81,32 +81,24 @@ impl Convolution {
 }
 
 impl Tensor {
-    /// Maxima of 3 x 3 at every second place. `partial` windows at the far borders count
-    /// (PyTorch's `ceil_mode`) or do not.
-    pub fn pooled(&self, partial: bool) -> Self {
-        let reach = |length: usize| (length - 3 + usize::from(partial)) / 2 + 1;
+    /// Maxima of 3 x 3 at every second place; what is left at the far borders does not count.
+    pub fn pooled(&self) -> Self {
+        let reach = |length: usize| (length - 3) / 2 + 1;
         let (height, width) = (reach(self.height), reach(self.width));
         let mut values = vec![0.0; self.channels * height * width];
         let planes = self.values.par_chunks(self.height * self.width);
         values.par_chunks_mut(height * width).zip(planes).for_each(|(out, plane)| {
             for (at, value) in out.iter_mut().enumerate() {
                 let (top, left) = (2 * (at / width), 2 * (at % width));
-                let rows = top..(top + 3).min(self.height);
+                let rows = top..top + 3;
                 let maximum = |row: usize| {
                     let row = &plane[row * self.width..(row + 1) * self.width];
-                    row[left..(left + 3).min(self.width)].iter().copied().fold(f32::MIN, f32::max)
+                    row[left..left + 3].iter().copied().fold(f32::MIN, f32::max)
                 };
                 *value = rows.map(maximum).fold(f32::MIN, f32::max);
             }
         });
         Self { channels: self.channels, height, width, values }
-    }
-
-    /// This and another tensor's channels, one after the other.
-    pub fn joined(mut self, other: &Self) -> Self {
-        self.values.extend_from_slice(&other.values);
-        self.channels += other.channels;
-        self
     }
 
     /// Divides the features at each place by their length, plus LPIPS' 1e-10.
@@ -193,20 +185,17 @@ mod tests {
     }
 
     #[test]
-    fn pooling_with_and_without_partial_windows() {
+    fn pooling_takes_whole_windows() {
         let tensor = |height, width| Tensor {
             channels: 2,
             height,
             width,
             values: (0..2 * height * width).map(|i| i as f32).collect(),
         };
-        // Rows of 6: windows at 0 and 2, and a partial one at 4 (PyTorch's formula: floor or
-        // ceil of (6 - 3) / 2, plus 1).
-        let full = tensor(3, 6).pooled(false);
-        assert_eq!((full.width, full.values), (2, vec![14.0, 16.0, 32.0, 34.0]));
-        let partial = tensor(3, 6).pooled(true);
-        assert_eq!((partial.width, partial.values), (3, vec![14.0, 16.0, 17.0, 32.0, 34.0, 35.0]));
-        assert_eq!(tensor(7, 7).pooled(true).width, tensor(7, 7).pooled(false).width);
+        // Rows of 6: windows at 0 and 2 (PyTorch's formula: floor of (6 - 3) / 2, plus 1).
+        let pooled = tensor(3, 6).pooled();
+        assert_eq!((pooled.width, pooled.values), (2, vec![14.0, 16.0, 32.0, 34.0]));
+        assert_eq!(tensor(7, 7).pooled().width, 3);
     }
 
     #[test]

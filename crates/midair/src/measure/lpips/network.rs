@@ -1,23 +1,16 @@
-//! The two classifiers, as far as LPIPS uses them.
+//! The classifier, as far as LPIPS uses it.
 
 use std::collections::HashMap;
 
+use super::Lpips;
 use super::layers::{Convolution, Tensor};
-use super::{Backbone, Lpips};
 
 /// One step through a network.
 #[derive(Clone, Debug)]
 pub(super) enum Layer {
     Convolution(Convolution),
-    /// 3 x 3 maxima at every second place, with or without partial windows.
-    Pool {
-        partial: bool,
-    },
-    /// SqueezeNet's module: 1 x 1 down to few channels, then 1 x 1 and 3 x 3 side by side.
-    Fire {
-        squeeze: Convolution,
-        expand: [Convolution; 2],
-    },
+    /// 3 x 3 maxima at every second place.
+    Pool,
     /// What comes out here is compared.
     Tap,
 }
@@ -26,7 +19,7 @@ pub(super) enum Layer {
 pub(super) type Tensors = HashMap<String, (Vec<usize>, Vec<f32>)>;
 
 /// A network from weights named as torchvision names them, or what is wrong with them.
-pub(super) fn build(backbone: Backbone, mut tensors: Tensors) -> Result<Lpips, String> {
+pub(super) fn build(mut tensors: Tensors) -> Result<Lpips, String> {
     let mut layers = Vec::new();
     let mut convolution = |name: &str, size: usize, stride: usize, padding: usize| {
         let mut take = |part: &str| {
@@ -46,38 +39,15 @@ pub(super) fn build(backbone: Backbone, mut tensors: Tensors) -> Result<Lpips, S
             _ => Err(format!("{name} has the shape {shape:?}")),
         }
     };
-    match backbone {
-        Backbone::Alex => {
-            // torchvision.models.alexnet: places, kernel sizes, strides, paddings.
-            let steps = [(0, 11, 4, 2), (3, 5, 1, 2), (6, 3, 1, 1), (8, 3, 1, 1), (10, 3, 1, 1)];
-            for (place, size, stride, padding) in steps {
-                if matches!(place, 3 | 6) {
-                    layers.push(Layer::Pool { partial: false });
-                }
-                let name = format!("features.{place}");
-                layers.push(Layer::Convolution(convolution(&name, size, stride, padding)?));
-                layers.push(Layer::Tap);
-            }
+    // torchvision.models.alexnet: places, kernel sizes, strides, paddings.
+    let steps = [(0, 11, 4, 2), (3, 5, 1, 2), (6, 3, 1, 1), (8, 3, 1, 1), (10, 3, 1, 1)];
+    for (place, size, stride, padding) in steps {
+        if matches!(place, 3 | 6) {
+            layers.push(Layer::Pool);
         }
-        Backbone::Squeeze => {
-            // torchvision.models.squeezenet1_1; LPIPS takes what leaves modules 1, 4, 7, 9, 10, 11, 12.
-            layers.push(Layer::Convolution(convolution("features.0", 3, 2, 0)?));
-            layers.push(Layer::Tap);
-            for place in [3, 4, 6, 7, 9, 10, 11, 12] {
-                if matches!(place, 3 | 6 | 9) {
-                    layers.push(Layer::Pool { partial: true });
-                }
-                let mut part = |part: &str, size: usize| {
-                    convolution(&format!("features.{place}.{part}"), size, 1, size / 2)
-                };
-                let squeeze = part("squeeze", 1)?;
-                let expand = [part("expand1x1", 1)?, part("expand3x3", 3)?];
-                layers.push(Layer::Fire { squeeze, expand });
-                if !matches!(place, 3 | 6) {
-                    layers.push(Layer::Tap);
-                }
-            }
-        }
+        let name = format!("features.{place}");
+        layers.push(Layer::Convolution(convolution(&name, size, stride, padding)?));
+        layers.push(Layer::Tap);
     }
     let count = layers.iter().filter(|layer| matches!(layer, Layer::Tap)).count();
     let mut heads = Vec::new();
@@ -86,7 +56,7 @@ pub(super) fn build(backbone: Backbone, mut tensors: Tensors) -> Result<Lpips, S
         let (_, head) = tensors.remove(&name).ok_or_else(|| format!("{name} is missing"))?;
         heads.push(head);
     }
-    let network = Lpips { backbone, layers, heads };
+    let network = Lpips { layers, heads };
     network.chained()?;
     Ok(network)
 }
@@ -98,13 +68,7 @@ impl Lpips {
         for layer in &self.layers {
             let (takes, gives) = match layer {
                 Layer::Convolution(one) => (one.inputs, one.outputs),
-                Layer::Fire { squeeze, expand: [a, b] } => {
-                    if a.inputs != squeeze.outputs || b.inputs != squeeze.outputs {
-                        return Err("a fire module's parts do not fit".to_owned());
-                    }
-                    (squeeze.inputs, a.outputs + b.outputs)
-                }
-                Layer::Pool { .. } => (channels, channels),
+                Layer::Pool => (channels, channels),
                 Layer::Tap => {
                     taps += 1;
                     (self.heads[taps - 1].len(), channels)
@@ -126,11 +90,7 @@ pub(super) fn run(layers: &[Layer], input: Tensor) -> Vec<Tensor> {
     for layer in layers {
         tensor = match layer {
             Layer::Convolution(one) => one.apply(&tensor),
-            Layer::Pool { partial } => tensor.pooled(*partial),
-            Layer::Fire { squeeze, expand: [a, b] } => {
-                let squeezed = squeeze.apply(&tensor);
-                a.apply(&squeezed).joined(&b.apply(&squeezed))
-            }
+            Layer::Pool => tensor.pooled(),
             Layer::Tap => {
                 taps.push(tensor.clone());
                 tensor

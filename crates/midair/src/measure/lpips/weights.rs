@@ -5,27 +5,13 @@ use std::path::{Path, PathBuf};
 use safetensors::{Dtype, SafeTensors};
 use sha2::{Digest, Sha256};
 
+use super::LpipsError;
 use super::network::Tensors;
-use super::{Backbone, LpipsError};
 
-impl Backbone {
-    fn file_name(self) -> &'static str {
-        match self {
-            Self::Alex => "lpips_alex.safetensors",
-            Self::Squeeze => "lpips_squeeze.safetensors",
-        }
-    }
-
-    /// SHA-256 over the tensors in the order of their names: name, a zero byte, the number of
-    /// dimensions and each of them (64 bits), the values in single precision; all little-endian. It holds
-    /// for any file of the same values, in whatever order or precision they are stored.
-    fn digest(self) -> &'static str {
-        match self {
-            Self::Alex => "3544c71c97c72bd2c20e26471f31a8bf75ad9e482133458d9fb47de8a0ac0b40",
-            Self::Squeeze => "18c8d93dd444f28bf3e5f6df8c6ad91fee18c081a4c378bed6d34a4cb06799c3",
-        }
-    }
-}
+/// SHA-256 over the tensors in the order of their names: name, a zero byte, the number of
+/// dimensions and each of them (64 bits), the values in single precision; all little-endian. It holds
+/// for any file of the same values, in whatever order or precision they are stored.
+const DIGEST: &str = "3544c71c97c72bd2c20e26471f31a8bf75ad9e482133458d9fb47de8a0ac0b40";
 
 /// The folder for what was fetched once: `$MIDAIR_CACHE`, or else `midair` in `$XDG_CACHE_HOME`, or
 /// else `~/.cache/midair` (`%LOCALAPPDATA%\midair` where there is no `$HOME`).
@@ -42,18 +28,18 @@ pub fn cache_folder() -> PathBuf {
     shared.unwrap_or_else(std::env::temp_dir).join("midair")
 }
 
-/// Where a network's weights are kept.
-pub(super) fn cached(backbone: Backbone) -> PathBuf {
-    cache_folder().join("lpips").join(backbone.file_name())
+/// Where the weights are kept.
+pub(super) fn cached() -> PathBuf {
+    cache_folder().join("lpips").join("lpips_alex.safetensors")
 }
 
 /// The tensors of a safetensors file, checked against the known digest.
-pub(super) fn read(backbone: Backbone, path: &Path) -> Result<Tensors, LpipsError> {
+pub(super) fn read(path: &Path) -> Result<Tensors, LpipsError> {
     let wrong = |problem: String| LpipsError::WrongWeights { path: path.to_owned(), problem };
     let bytes = std::fs::read(path)
         .map_err(|source| LpipsError::Unreadable { path: path.to_owned(), source })?;
     let tensors = parse(&bytes).map_err(wrong)?;
-    if digest(&tensors) != backbone.digest() {
+    if digest(&tensors) != DIGEST {
         return Err(wrong("its values are not those of LPIPS v0.1".to_owned()));
     }
     Ok(tensors)

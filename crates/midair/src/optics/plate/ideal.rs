@@ -71,7 +71,7 @@ mod tests {
             prop_assert!(distance_to_line(image, crossing, out) < 1e-13);
         }
 
-        /// DESIGN 3.4: the display point, mirrored in the plate's plane, lies on the line of the
+        /// The line identity: the display point, mirrored in the plate's plane, lies on the line of the
         /// ray that left the last element.
         #[test]
         fn mirrored_display_point_lies_on_the_incoming_line(

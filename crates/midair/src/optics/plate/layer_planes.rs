@@ -8,7 +8,7 @@ use crate::geometry::{Real, Vec3};
 ///
 /// In its layer, light that meets an odd number of mirrors leaves, averaged over where it enters between two of them, as if
 /// it had been turned back once, at the layer's mid-plane: of the offsets 0 to p at which a ray of slope m meets k mirrors, the mean of
-/// exit less entry is 0 for every odd k (integrate DESIGN's unfolding). The two layers lie one behind the other, so that the plate is symmetric in one plane for the
+/// exit less entry is 0 for every odd k (integrate the unfolding of [`SlitMirrorPlate`](super::SlitMirrorPlate) over the entry). The two layers lie one behind the other, so that the plate is symmetric in one plane for the
 /// one direction and in another for the other: a point's image is two lines, a layer's depth over the index apart. To a viewer
 /// the whole image is out of place by half a millimetre or so, by different amounts where directions differ.
 ///

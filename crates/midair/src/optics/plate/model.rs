@@ -59,7 +59,7 @@ impl Plate {
 pub enum Model {
     /// Plane symmetry without loss, of no thickness.
     Ideal,
-    /// Slit mirrors, light by light.
+    /// Slit mirrors, ray by ray.
     SlitMirror(Box<SlitMirrorPlate>),
     /// Either, its image as bright as it was measured.
     Measured(Box<Measured>),

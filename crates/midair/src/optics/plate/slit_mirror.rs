@@ -1,4 +1,4 @@
-//! The slit-mirror plate: two crossed layers of slit mirrors in glass, light by light.
+//! The slit-mirror plate: two crossed layers of slit mirrors in glass, ray by ray.
 //!
 //! ```text
 //!   +z side   ============================  cover glass

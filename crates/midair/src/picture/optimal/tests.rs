@@ -1,7 +1,6 @@
 use super::*;
 use crate::map::{Map, Status, pixel_centre};
-use crate::picture::{display_image, read_still};
-use std::path::Path;
+use crate::picture::display_image;
 
 /// Where the line of sight to image uv meets the display behind a glass ball: the image, 26 x 26, at the
 /// centre of a sphere of radius 25 and index 1.49, seen from 400; the display, 32 x 32, is where the image's mirror image
@@ -77,21 +76,42 @@ fn ball_map(size: usize) -> Map {
     map
 }
 
-/// A photograph of `size` x `size` pixels: the middle of a file, each pixel the mean of a square.
-fn photograph(path: &Path, size: usize) -> Picture {
-    let full = read_still(path).unwrap().picture;
-    let square = full.width.min(full.height);
-    let left = (full.width - square) / 2;
-    let top = (full.height - square) / 2;
-    let whole = Picture::filled(size, size, [0.0; 4]);
-    let scale = |place: usize, start: usize, of: usize| {
-        (start as f64 + (place as f64 + 0.5) / size as f64 * square as f64) / of as f64
-    };
-    let uv = (0..size * size)
-        .map(|i| [scale(i % size, left, full.width), 1.0 - scale(i / size, top, full.height)])
+/// What photographs have: waves whose strength falls as their frequency grows, edges all over, deep shadows and lights.
+fn scenery(size: usize, seed: u64) -> Picture {
+    let mut random = fastrand::Rng::with_seed(seed);
+    let waves: Vec<[f64; 4]> = (0..60)
+        .map(|k| {
+            let frequency = 1.08f64.powi(k);
+            let turn = std::f64::consts::TAU * random.f64();
+            let (sin, cos) = turn.sin_cos();
+            [
+                frequency * cos,
+                frequency * sin,
+                std::f64::consts::TAU * random.f64(),
+                0.25 / frequency,
+            ]
+        })
         .collect();
-    let map = Map { uv, ..Map::identity(size, size) };
-    Picture { pixels: display_image(&full, &map).pixels, ..whole }
+    let discs: Vec<[f64; 6]> = (0..40)
+        .map(|_| {
+            let [x, y, radius, r, g, b] = std::array::from_fn(|_| random.f64());
+            [x, y, 0.02 + 0.15 * radius * radius, r * r, g * g, b * b]
+        })
+        .collect();
+    let pixels = (0..size * size)
+        .map(|i| {
+            let [x, y] = [i % size, i / size].map(|k| (k as f64 + 0.5) / size as f64);
+            let wave = |[a, b, phase, height]: &[f64; 4]| {
+                height * (std::f64::consts::TAU * (a * x + b * y) + phase).sin()
+            };
+            let shade = 1.0 + waves.iter().map(wave).sum::<f64>();
+            let over = discs.iter().rev().find(|d| (x - d[0]).hypot(y - d[1]) < d[2]);
+            let colour = over.map_or([0.3, 0.25 + 0.3 * y, 0.4], |d| [d[3], d[4], d[5]]);
+            let [r, g, b] = colour.map(|c| (c * shade).clamp(0.0, 1.0) as f32);
+            [r, g, b, 1.0]
+        })
+        .collect();
+    Picture { width: size, height: size, pixels }
 }
 
 fn psnr(a: &Picture, b: &Picture) -> f64 {
@@ -336,21 +356,16 @@ fn sizes_that_disagree_are_refused() {
     assert!(scatter_average(&samples, &picture, 0, 5).is_err());
 }
 
-/// Plain filter, averaged scatter and best image side by side on photographs; the figures to beat are
-/// 26.9 dB (scatter) and 32.3 dB (100 steps of gradient descent) on another ball's photographs.
+/// Plain filter, averaged scatter and best image side by side. That of all displays the best one comes nearest is what it is sought
+/// for; that a filter without holes is better than an average of what was scattered, and either than no compensation, is what compensation is for.
 #[test]
-fn the_best_image_beats_the_plain_filter_and_the_averaged_scatter_on_photographs() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/live1");
-    if !folder.is_dir() {
-        println!("skipped: {} is not here", folder.display());
-        return;
-    }
+fn the_best_image_beats_the_plain_filter_and_the_averaged_scatter() {
     let size = 192;
     let samples = view_samples(size, 3);
     let map = ball_map(size);
     println!("PSNR in dB of a {size} x {size} view, display {size} x {size}");
-    for name in ["bikes", "parrots"] {
-        let target = photograph(&folder.join(format!("{name}.png")), size);
+    for seed in [1, 2] {
+        let target = scenery(size, seed);
         let see = |display: &Picture| psnr(&view_through(&samples, display).unwrap(), &target);
         let plain = display_image(&target, &map);
         let none = see(&display_image(&target, &Map::identity(size, size)));
@@ -363,7 +378,7 @@ fn the_best_image_beats_the_plain_filter_and_the_averaged_scatter_on_photographs
         let (linear, encoded) = (best(Weighting::Linear), best(Weighting::Encoded));
         let plain = see(&plain);
         println!(
-            "{name}: uncompensated {none:.2}, averaged scatter {scatter:.2}, plain filter {plain:.2}, \
+            "{seed}: uncompensated {none:.2}, averaged scatter {scatter:.2}, plain filter {plain:.2}, \
              best by light {linear:.2}, best as encoded {encoded:.2}"
         );
         assert!(encoded > plain + 2.0 && plain > scatter && scatter > none + 5.0);

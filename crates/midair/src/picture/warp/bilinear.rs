@@ -150,6 +150,7 @@ mod tests {
         ) {
             let mut taps = vec![Tap::default(); uv.len()];
             tap_row(&uv, [width, height], &mut taps);
+            let mut compared = 0;
             for (tap, uv) in taps.iter().zip(&uv) {
                 let (column, row) = (tap.pixel as usize % width, tap.pixel as usize / width);
                 prop_assert!(row <= height.saturating_sub(2) && column <= width.saturating_sub(2));
@@ -168,7 +169,10 @@ mod tests {
                     // Half a step of the fraction, and double precision's share.
                     prop_assert!((place - wanted).abs() <= 0.5 / f64::from(ONE) + 1e-9, "{place} {wanted}");
                 }
+                compared += 1;
             }
+            // Seven of eight coordinates are numbers, but a row may be of three.
+            prop_assume!(2 * compared >= uv.len());
         }
 
         #[test]

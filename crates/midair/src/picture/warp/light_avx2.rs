@@ -197,7 +197,7 @@ mod tests {
     fn there() -> bool {
         let there = std::arch::is_x86_feature_detected!("avx2");
         if !there {
-            println!("skipped: no AVX2");
+            midair_peers::missing(midair_peers::Peer::Avx2, "the processor has no AVX2");
         }
         there
     }

@@ -1,4 +1,4 @@
-//! The device's pictures against the processor's, code by code; skipped with a note where there is no device, not even in software.
+//! The device's pictures against the processor's, code by code.
 
 use super::*;
 use crate::letters::{extent, overlay};
@@ -15,7 +15,7 @@ fn device() -> Option<Device> {
     match adapter {
         Ok(adapter) => Some(Device::open(&adapter).unwrap()),
         Err(error) => {
-            println!("skipped: {error}");
+            midair_peers::missing(midair_peers::Peer::Graphics, error);
             None
         }
     }

