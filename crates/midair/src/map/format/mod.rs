@@ -9,6 +9,10 @@ mod error;
 mod exr_channels;
 mod ffmpeg;
 mod kind;
+#[cfg(feature = "mpcdi")]
+mod mpcdi;
+#[cfg(not(feature = "mpcdi"))]
+#[path = "no_mpcdi.rs"]
 mod mpcdi;
 mod npy;
 mod opencv;
