@@ -16,6 +16,7 @@ mod process;
 mod reference;
 mod setup;
 mod test;
+mod wasm;
 
 use clap::{Parser, Subcommand};
 use std::path::{Path, PathBuf};

@@ -1,6 +1,6 @@
 //! What tests need beyond Rust: ffmpeg, a Python environment with the peers that results are held to, and LPIPS' weights.
 
-use crate::process;
+use crate::{process, wasm};
 use anyhow::{Context, Result, bail};
 use midair_peers::Peer;
 use std::path::{Path, PathBuf};
@@ -24,6 +24,7 @@ pub fn install(optional: &[Peer]) -> Result<()> {
             outcome => outcome?,
         }
     }
+    wasm::install()?;
     println!("what the tests need is in place");
     Ok(())
 }
@@ -145,29 +146,32 @@ fn pins(path: &Path) -> Result<Vec<String>> {
     Ok(pins)
 }
 
-fn apt_install(packages: &[&str]) -> Result<()> {
+/// Installs Debian's packages.
+pub fn apt_install(packages: &[&str]) -> Result<()> {
     let list = packages.join(" ");
+    println!("installing {list}");
+    apt_get(&["update"], &list)?;
+    apt_get(&[&["install", "--no-install-recommends"], packages].concat(), &list)
+        .with_context(|| format!("{list} cannot be installed"))
+}
+
+/// Runs `apt-get` as root, for what `wanted` names.
+pub fn apt_get(arguments: &[&str], wanted: &str) -> Result<()> {
     let root = process::succeeds(Command::new("bash").args(["-c", "test $(id -u) = 0"]));
     let sudo = !root && process::succeeds(Command::new("sudo").args(["-n", "true"]));
     let apt = process::succeeds(Command::new("apt-get").arg("--version"));
     if !apt || !(root || sudo) {
         bail!(
-            "{list}: not installed, and {}; install by hand what is called so on this system",
+            "{wanted}: not installed, and {}; install by hand what is called so on this system",
             if apt { "this user is neither root nor may use sudo" } else { "there is no apt-get" }
         );
     }
-    println!("installing {list}");
-    let apt_get = |arguments: &[&str]| {
-        let mut command = Command::new(if root { "env" } else { "sudo" });
-        if !root {
-            command.args(["-n", "env"]);
-        }
-        command.args(["DEBIAN_FRONTEND=noninteractive", "apt-get", "-qq", "-y"]).args(arguments);
-        process::run(&mut command)
-    };
-    apt_get(&["update"])?;
-    apt_get(&[&["install", "--no-install-recommends"], packages].concat())
-        .with_context(|| format!("{list} cannot be installed"))
+    let mut command = Command::new(if root { "env" } else { "sudo" });
+    if !root {
+        command.args(["-n", "env"]);
+    }
+    command.args(["DEBIAN_FRONTEND=noninteractive", "apt-get", "-qq", "-y"]).args(arguments);
+    process::run(&mut command)
 }
 
 #[cfg(test)]

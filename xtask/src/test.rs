@@ -1,11 +1,10 @@
 //! `cargo xtask test`: everything that must hold before a change is merged.
 
-use crate::{book, process, setup};
+use crate::{book, process, setup, wasm};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use midair_peers::Peer;
 use std::collections::BTreeSet;
-use std::process::Command;
 use std::time::Instant;
 
 #[derive(Args)]
@@ -35,6 +34,8 @@ enum Step {
     Package,
     /// The commands of the README and the book do what they say.
     Book,
+    /// The library does the same in WebAssembly as here.
+    Wasm,
 }
 
 /// How many checks went which way.
@@ -106,7 +107,7 @@ impl Step {
             ])),
             Self::Tests => tests(optional),
             Self::Docs => Tally::of(process::run(
-                cargo_command(&["doc", "--quiet", "--workspace", "--no-deps"])
+                process::cargo(&["doc", "--quiet", "--workspace", "--no-deps"])
                     .env("RUSTDOCFLAGS", "-Dwarnings"),
             )),
             Self::Package => {
@@ -119,25 +120,20 @@ impl Step {
                 }
                 book::run()
             }
+            Self::Wasm => wasm::run(),
         }
     }
 }
 
-fn cargo_command(arguments: &[&str]) -> Command {
-    let mut command = Command::new(std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned()));
-    command.args(arguments).current_dir(crate::root());
-    command
-}
-
 fn cargo(arguments: &[&str]) -> Result<()> {
-    process::run(&mut cargo_command(arguments))
+    process::run(&mut process::cargo(arguments))
 }
 
 /// All tests of the workspace, documentation tests among them.
 fn tests(optional: &[Peer]) -> Tally {
     let mut tally = Tally::default();
     let skips = std::env::temp_dir().join(format!("midair-skips-{}", std::process::id()));
-    let mut command = cargo_command(&["test", "--quiet", "--workspace", "--no-fail-fast"]);
+    let mut command = process::cargo(&["test", "--quiet", "--workspace", "--no-fail-fast"]);
     command.env(midair_peers::REQUIRED, required(optional)).env(midair_peers::SKIPS, &skips);
     let status = process::run_watched(&mut command, |line| {
         if let Some(counts) = read_result(line) {

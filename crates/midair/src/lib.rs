@@ -25,6 +25,7 @@
 //! Units are millimetres and degrees; frames are right-handed with +y up.
 #![deny(missing_docs)]
 
+pub mod clock;
 pub mod compensate;
 mod error;
 pub mod evaluate;

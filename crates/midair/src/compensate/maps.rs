@@ -1,10 +1,11 @@
 //! A map and what it took.
 
 use crate::Monitor;
+use crate::clock::Stopwatch;
 use crate::map::{Accuracy, Effort, Map, invert, splat};
 use crate::transport::Setup;
 use serde::Serialize;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// How a map is made.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -47,7 +48,7 @@ pub struct Solved {
 
 impl Solved {
     pub(super) fn make(setup: Setup, method: Method, monitor: &dyn Monitor) -> Self {
-        let start = Instant::now();
+        let start = Stopwatch::start();
         match method {
             Method::Inverse { accuracy } => {
                 monitor.stage("map", 1);

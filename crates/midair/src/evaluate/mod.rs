@@ -3,5 +3,6 @@
 pub mod colour;
 pub mod eyebox;
 pub mod orbit;
+#[cfg(feature = "lpips")]
 pub mod paper;
 pub mod proof;

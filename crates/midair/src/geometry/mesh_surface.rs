@@ -5,7 +5,9 @@ use super::mesh::adjacency::{NONE, Sets, neighbours};
 use super::mesh::overlap::TOUCHING;
 use super::{Crossing, Hit, Ray, Real, Search, Vec3};
 use obvhs::aabb::Aabb;
-use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh};
+use obvhs::ploc::PlocBuilder;
 use obvhs::{Boundable, BvhBuildParams};
 
 /// A triangle mesh with what tracing needs: planes, barycentric gradients, neighbours, and a BVH.
@@ -74,6 +76,22 @@ impl Boundable for Bounds {
     }
 }
 
+/// The BVH over boxes, built of obvhs' parts: its own `build_cwbvh` reads a clock, which traps where a target has none.
+fn build_bvh(bounds: &[Bounds]) -> CwBvh {
+    let how = BvhBuildParams::medium_build();
+    let mut bvh = PlocBuilder::with_capacity(bounds.len()).build(
+        how.ploc_search_distance,
+        bounds,
+        (0..bounds.len() as u32).collect(),
+        how.sort_precision,
+        how.search_depth_threshold,
+    );
+    ReinsertionOptimizer::default().run(&mut bvh, how.reinsertion_batch_ratio, None);
+    // A node of the compressed form has room for three.
+    let leaf = how.max_prims_per_leaf.clamp(1, 3);
+    bvh2_to_cwbvh(&bvh, leaf, true, false)
+}
+
 impl MeshSurface {
     /// From a mesh in mm, checked and mended, with normals at its vertices for smooth shading. It has no degenerate
     /// triangle and every index is in range.
@@ -95,11 +113,7 @@ impl MeshSurface {
                 Bounds(aabb)
             })
             .collect();
-        let bvh = build_cwbvh(
-            &bounds,
-            BvhBuildParams::medium_build(),
-            &mut std::time::Duration::default(),
-        );
+        let bvh = build_bvh(&bounds);
         let neighbours = neighbours(triangles);
         let closed = neighbours.iter().flatten().all(|&other| other != NONE);
         let triangles: Vec<Triangle> = triangles.iter().map(|t| Triangle::new(t.map(at))).collect();

@@ -25,23 +25,33 @@ impl Samples {
     /// Beyond the border the picture is mirrored about the border itself (d c b a | a b c d),
     /// scipy's mode "reflect".
     pub fn filtered(&self, kernel: &[f64]) -> Self {
-        if self.values.is_empty() {
-            return self.clone();
+        Self::filtered_of(self.width, self.height, |index| self.values[index], kernel)
+    }
+
+    /// As [`Self::filtered`], of samples that are worked out when they are needed, by index.
+    pub fn filtered_of(
+        width: usize,
+        height: usize,
+        sample: impl Fn(usize) -> f64 + Sync,
+        kernel: &[f64],
+    ) -> Self {
+        if width * height == 0 {
+            return Self { width, height, values: Vec::new() };
         }
-        let (width, height, radius) = (self.width, self.height, kernel.len() / 2);
-        let mut rows = vec![0.0; self.values.len()];
-        rows.par_chunks_mut(width).zip(self.values.par_chunks(width)).for_each_init(
+        let radius = kernel.len() / 2;
+        let mut rows = vec![0.0; width * height];
+        rows.par_chunks_mut(width).enumerate().for_each_init(
             || vec![0.0; width + 2 * radius],
-            |padded, (out, row)| {
+            |padded, (row, out)| {
                 for (at, value) in padded.iter_mut().enumerate() {
-                    *value = row[mirrored(at as isize - radius as isize, width)];
+                    *value = sample(row * width + mirrored(at as isize - radius as isize, width));
                 }
                 for (tap, &weight) in kernel.iter().enumerate() {
                     accumulate(out, &padded[tap..], weight);
                 }
             },
         );
-        let mut values = vec![0.0; self.values.len()];
+        let mut values = vec![0.0; width * height];
         values.par_chunks_mut(width).enumerate().for_each(|(at, out)| {
             for (tap, &weight) in kernel.iter().enumerate() {
                 let from = mirrored(at as isize + tap as isize - radius as isize, height);

@@ -6,10 +6,12 @@
 
 mod filter;
 pub mod lattice;
+#[cfg(feature = "lpips")]
 pub mod lpips;
 mod plane;
 mod similarity;
 
 pub use filter::{box_blur5, gaussian_blur};
 pub use plane::Plane;
+pub(crate) use similarity::Standard;
 pub use similarity::{Similarity, SimilarityError, blurred_ssim, psnr, ssim, ssim_over_channels};

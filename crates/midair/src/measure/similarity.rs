@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::filter::Samples;
+use super::filter::{Samples, gaussian_kernel};
 use super::{Plane, box_blur5};
 
 /// The range L of the values that are compared: planes run from black 0 to white 1.
@@ -72,25 +72,72 @@ pub enum SimilarityError {
 /// When the sizes differ, are below 11 x 11, or a value is not finite.
 pub fn ssim(first: &Plane, second: &Plane) -> Result<Similarity, SimilarityError> {
     comparable(first, second)?;
-    if first.width < WINDOW || first.height < WINDOW {
-        return Err(SimilarityError::TooSmall { width: first.width, height: first.height });
+    Ok(compared(first, &Means::of(first)?, second, &Means::of(second)?))
+}
+
+/// What SSIM's window finds in one plane: its weighted means of the values and of their squares, at each pixel.
+struct Means {
+    values: Vec<f64>,
+    squares: Vec<f64>,
+}
+
+impl Means {
+    fn of(plane: &Plane) -> Result<Self, SimilarityError> {
+        if plane.width < WINDOW || plane.height < WINDOW {
+            return Err(SimilarityError::TooSmall { width: plane.width, height: plane.height });
+        }
+        let at = |i: usize| f64::from(plane.values[i]);
+        Ok(Self { values: weighted(plane, at), squares: weighted(plane, |i| at(i) * at(i)) })
     }
-    let (x, y) = (Samples::from(first), Samples::from(second));
-    let product = |a: &Samples, b: &Samples| {
-        let values = a.values.iter().zip(&b.values).map(|(a, b)| a * b).collect();
-        Samples { width: a.width, height: a.height, values }.blurred(SIGMA).values
-    };
-    let (xx, yy, xy) = (product(&x, &x), product(&y, &y), product(&x, &y));
-    let (x, y) = (x.blurred(SIGMA).values, y.blurred(SIGMA).values);
+}
+
+/// The window's weighted means of a value of each of a plane's indices.
+fn weighted(plane: &Plane, value: impl Fn(usize) -> f64 + Sync) -> Vec<f64> {
+    Samples::filtered_of(plane.width, plane.height, value, &gaussian_kernel(SIGMA)).values
+}
+
+/// A plane that several others are compared with: what SSIM needs of it alone is found once.
+pub(crate) struct Standard {
+    plane: Plane,
+    means: Means,
+}
+
+impl Standard {
+    /// # Errors
+    /// Where the plane is below 11 x 11, or a value is not finite.
+    pub(crate) fn new(plane: Plane) -> Result<Self, SimilarityError> {
+        comparable(&plane, &plane)?;
+        let means = Means::of(&plane)?;
+        Ok(Self { plane, means })
+    }
+
+    pub(crate) fn plane(&self) -> &Plane {
+        &self.plane
+    }
+
+    /// [`ssim`] of another plane and this one.
+    ///
+    /// # Errors
+    /// As [`ssim`].
+    pub(crate) fn ssim(&self, other: &Plane) -> Result<Similarity, SimilarityError> {
+        comparable(other, &self.plane)?;
+        Ok(compared(other, &Means::of(other)?, &self.plane, &self.means))
+    }
+}
+
+/// SSIM of two planes of one size, with the window's means in each.
+fn compared(first: &Plane, x: &Means, second: &Plane, y: &Means) -> Similarity {
+    let product = |i: usize| f64::from(first.values[i]) * f64::from(second.values[i]);
+    let xy = weighted(first, product);
     let (c1, c2) = ((K1 * RANGE).powi(2), (K2 * RANGE).powi(2));
     let at = |i: usize| {
-        let (mean_x, mean_y) = (x[i], y[i]);
-        let variances = xx[i] - mean_x * mean_x + yy[i] - mean_y * mean_y;
+        let (mean_x, mean_y) = (x.values[i], y.values[i]);
+        let variances = x.squares[i] - mean_x * mean_x + y.squares[i] - mean_y * mean_y;
         let covariance = xy[i] - mean_x * mean_y;
         (2.0 * mean_x * mean_y + c1) * (2.0 * covariance + c2)
             / ((mean_x * mean_x + mean_y * mean_y + c1) * (variances + c2))
     };
-    let map: Vec<f64> = (0..x.len()).into_par_iter().map(at).collect();
+    let map: Vec<f64> = (0..xy.len()).into_par_iter().map(at).collect();
 
     let (width, height, border) = (first.width, first.height, WINDOW / 2);
     let inner = (width - 2 * border) * (height - 2 * border);
@@ -98,7 +145,7 @@ pub fn ssim(first: &Plane, second: &Plane) -> Result<Similarity, SimilarityError
         .map(|row| map[row * width + border..(row + 1) * width - border].iter().sum::<f64>())
         .sum();
     let values = map.into_iter().map(|value| value as f32).collect();
-    Ok(Similarity { mean: sum / inner as f64, map: Plane { width, height, values } })
+    Similarity { mean: sum / inner as f64, map: Plane { width, height, values } }
 }
 
 /// The mean of [`ssim`] over colour channels, as scikit-image's `channel_axis` gives it.

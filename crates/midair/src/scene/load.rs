@@ -89,6 +89,15 @@ pub fn load(path: &Path) -> Result<Loaded, SceneError> {
     with_files(scene, text, folder)
 }
 
+/// Reads a scene that is text in memory. Files that it names are looked for in the folder in use; `file_name` stands in messages.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_text(text: &str, file_name: &str, format: Format) -> Result<Loaded, SceneError> {
+    let (scene, text) = parse_with_places(text, file_name, format)?;
+    with_files(scene, text, PathBuf::new())
+}
+
 /// Adds the files that a parsed scene names, looked for in `folder`.
 ///
 /// # Errors

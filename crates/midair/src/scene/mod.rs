@@ -21,7 +21,7 @@ mod tests;
 mod tree;
 
 pub use error::{SceneError, SceneText};
-pub use load::{Asset, Loaded, load, with_files};
+pub use load::{Asset, Loaded, load, load_text, with_files};
 pub use save::to_toml;
 pub use schema::schema;
 pub use tree::Format;

@@ -5,11 +5,12 @@ use super::film::{Harvest, REPLICATIONS, Render, Row, develop};
 use super::lens::{Lens, Viewer};
 use super::light::Stage;
 use super::sequence::{Points, mix};
+use crate::clock::Stopwatch;
 use crate::monitor::Monitor;
 use crate::picture::Picture;
 use crate::transport::Setup;
 use rayon::prelude::*;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// How much work a render does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -153,7 +154,7 @@ fn develop_stages(
     let pupil = 0.5 * viewer.aperture;
     let straight: Vec<Option<Straight>> =
         stages.iter().map(|(stage, _)| Straight::of(stage, viewer.camera.eye, pupil)).collect();
-    let start = Instant::now();
+    let start = Stopwatch::start();
 
     let total = settings.samples_per_pixel.div_ceil(REPLICATIONS as u32);
     let mut rows: Vec<Row> = (0..height).map(|_| Row::new(width)).collect();

@@ -1,10 +1,11 @@
 //! The paper's own method, measured beside the exact map.
 
 use super::{ProofError, Shown};
+use crate::clock::Stopwatch;
 use crate::map::{Map, Status, splat};
 use crate::monitor::Monitor;
 use crate::transport::Setup;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// What scattering samples gave.
 #[derive(Clone, Debug)]
@@ -36,7 +37,7 @@ impl Baseline {
         spp: usize,
         monitor: &dyn Monitor,
     ) -> Result<Self, ProofError> {
-        let start = Instant::now();
+        let start = Stopwatch::start();
         let splat = splat(setup, spp, &|rows| monitor.advance(rows));
         let time = start.elapsed();
         let (mut squares, mut max_error, mut count) = (0.0, 0.0f64, 0usize);

@@ -1,7 +1,7 @@
 //! Likeness of a view to the reference, over the part of the image that is formed.
 
 use crate::map::{Formation, ImagePoint};
-use crate::measure::{Plane, SimilarityError, psnr, ssim};
+use crate::measure::{Plane, SimilarityError, Standard, psnr};
 use crate::picture::Picture;
 
 /// How like the reference a view is, over a [`Region`]; sRGB-encoded values.
@@ -21,6 +21,9 @@ pub struct Region {
     /// Their share of all view pixels.
     pub share: f64,
 }
+
+/// The channels of what views are compared with.
+pub(super) struct Channels([Standard; 3]);
 
 /// SSIM's window reaches so far from its pixel.
 const REACH: usize = 5;
@@ -52,23 +55,35 @@ impl Region {
         Self { share: count as f64 / pixels.len().max(1) as f64, pixels }
     }
 
-    /// Compares a view with the reference; `None` where the region is empty.
+    /// The reference made ready for comparisons; `None` where the region is empty.
     ///
     /// # Errors
-    /// When the views' sizes differ from one another.
-    pub fn likeness(
+    /// Where a value of the reference is not finite.
+    pub(super) fn standard(
         &self,
-        view: &Picture,
         reference: &Picture,
-    ) -> Result<Option<Likeness>, SimilarityError> {
+    ) -> Result<Option<Channels>, SimilarityError> {
         if !self.pixels.contains(&true) {
             return Ok(None);
         }
+        let [red, green, blue] = Plane::channels(reference);
+        let channels = [Standard::new(red)?, Standard::new(green)?, Standard::new(blue)?];
+        Ok(Some(Channels(channels)))
+    }
+
+    /// Compares a view with the reference.
+    ///
+    /// # Errors
+    /// When the views' sizes differ from one another.
+    pub(super) fn likeness(
+        &self,
+        view: &Picture,
+        reference: &Channels,
+    ) -> Result<Likeness, SimilarityError> {
         let views = Plane::channels(view);
-        let references = Plane::channels(reference);
         let mut similarity = 0.0;
-        for (view, reference) in views.iter().zip(&references) {
-            let map = ssim(view, reference)?.map;
+        for (view, reference) in views.iter().zip(&reference.0) {
+            let map = reference.ssim(view)?.map;
             let values = self.compared(&map);
             similarity += values.iter().map(|&v| f64::from(v)).sum::<f64>() / values.len() as f64;
         }
@@ -77,8 +92,9 @@ impl Region {
             let values = self.compared(plane);
             Plane { width: values.len(), height: 1, values }
         };
-        let psnr = psnr(&views.each_ref().map(row), &references.each_ref().map(row))?;
-        Ok(Some(Likeness { ssim: similarity / 3.0, psnr }))
+        let references = reference.0.each_ref().map(|channel| row(channel.plane()));
+        let psnr = psnr(&views.each_ref().map(row), &references)?;
+        Ok(Likeness { ssim: similarity / 3.0, psnr })
     }
 
     fn compared(&self, plane: &Plane) -> Vec<f32> {

@@ -13,6 +13,7 @@ pub use displacement::Shape;
 pub use likeness::{Likeness, Region};
 
 use crate::Monitor;
+use crate::clock::Stopwatch;
 use crate::compensate::{AsIs, uncompensated_map};
 use crate::map::{Accuracy, Effort, Formation, Map, formation, invert};
 use crate::measure::SimilarityError;
@@ -23,7 +24,7 @@ use crate::picture::optimal::{
 use crate::picture::{Picture, display_image};
 use crate::simulate::{Camera, Reference};
 use crate::transport::{Setup, SetupError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// What is proved, and how finely.
 #[derive(Clone, Debug, PartialEq)]
@@ -166,14 +167,15 @@ pub fn prove(
 
     monitor.stage("pictures", 4);
     let reference = view_through(&open_samples, &display_image(picture, &identity))?;
+    let standard = region.standard(&reference)?;
     let shown = |display: Picture, time: Duration| -> Result<Shown, ProofError> {
         let view = view_through(&samples, &display)?;
-        let likeness = region.likeness(&view, &reference)?;
+        let likeness = standard.as_ref().map(|of| region.likeness(&view, of)).transpose()?;
         monitor.advance(1);
         Ok(Shown { display, view, likeness, time })
     };
     let timed = |make: &dyn Fn() -> Result<Picture, OptimalError>| -> Result<_, ProofError> {
-        let start = Instant::now();
+        let start = Stopwatch::start();
         let display = make()?;
         Ok((display, start.elapsed()))
     };
@@ -213,7 +215,7 @@ pub fn prove(
         spp => {
             monitor.stage("the paper's method", height);
             let baseline = Baseline::measure(setup, &map, spp, monitor)?;
-            let start = Instant::now();
+            let start = Stopwatch::start();
             let display = display_image(picture, &baseline.map);
             let shown = shown(display, start.elapsed())?;
             clock.lap("splat");
@@ -249,19 +251,17 @@ fn best(
 
 /// Stages and their times.
 struct Clock {
-    last: Instant,
+    stopwatch: Stopwatch,
     laps: Vec<(&'static str, Duration)>,
 }
 
 impl Clock {
     fn start() -> Self {
-        Self { last: Instant::now(), laps: Vec::new() }
+        Self { stopwatch: Stopwatch::start(), laps: Vec::new() }
     }
 
     fn lap(&mut self, name: &'static str) -> Duration {
-        let now = Instant::now();
-        let time = now - self.last;
-        self.last = now;
+        let time = self.stopwatch.lap();
         self.laps.push((name, time));
         time
     }

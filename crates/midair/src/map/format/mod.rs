@@ -9,6 +9,10 @@ mod exr_channels;
 mod exr_layers;
 mod ffmpeg;
 mod kind;
+#[cfg(feature = "mpcdi")]
+mod mpcdi;
+#[cfg(not(feature = "mpcdi"))]
+#[path = "no_mpcdi.rs"]
 mod mpcdi;
 mod npy;
 mod opencv;

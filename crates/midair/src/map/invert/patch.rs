@@ -2,7 +2,7 @@
 
 use super::Cell;
 use super::newton::{ITERATIONS, Solution, apply_inverse, determinant, solve};
-use super::row::{MAX_DEGREE, RowPolynomial};
+use super::row::{MAX_DEGREE, RowPolynomial, multiply_add};
 use super::tally::count_ray;
 use crate::transport::{Setup, Step};
 
@@ -145,8 +145,8 @@ impl Patch {
         for j in (0..n).rev() {
             for i in 0..n {
                 let c = self.coefficients[j * n + i];
-                row.u[i] = row.u[i].mul_add(t, c[0]);
-                row.v[i] = row.v[i].mul_add(t, c[1]);
+                row.u[i] = multiply_add(row.u[i], t, c[0]);
+                row.v[i] = multiply_add(row.v[i], t, c[1]);
             }
         }
         row

@@ -106,14 +106,21 @@ impl RowPolynomial {
         let mut v = [self.v[self.degree]; LANES];
         for i in (0..self.degree).rev() {
             for lane in 0..LANES {
-                u[lane] = u[lane].mul_add(s[lane], self.u[i]);
+                u[lane] = multiply_add(u[lane], s[lane], self.u[i]);
             }
             for lane in 0..LANES {
-                v[lane] = v[lane].mul_add(s[lane], self.v[i]);
+                v[lane] = multiply_add(v[lane], s[lane], self.v[i]);
             }
         }
         [u, v]
     }
+}
+
+/// a * b + c, rounded once where the processor can. WebAssembly cannot, and in software that takes twenty times as long; two roundings
+/// differ from one by less than what the monomials have lost already.
+#[inline(always)]
+pub(super) fn multiply_add(a: f64, b: f64, c: f64) -> f64 {
+    if cfg!(target_family = "wasm") { a * b + c } else { a.mul_add(b, c) }
 }
 
 /// Seam margins reach beyond the image's own edge by less than the error bound.

@@ -1,6 +1,7 @@
 //! Drawing the test picture.
 
 use crate::picture::Picture;
+use rayon::prelude::*;
 
 /// What a lattice looks like: `lines` x `lines` straight lines, evenly spaced.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,17 +102,17 @@ pub fn draw_lattice(
     let rows = Profile::new(height, style);
     let premultiplied = |[r, g, b, a]: [f32; 4]| [r * a, g * a, b * a, a];
     let (line, ground) = (premultiplied(style.line), premultiplied(style.ground));
-    let mut pixels = Vec::with_capacity(width * height);
-    for row in 0..height {
-        for column in 0..width {
+    let mut pixels = vec![[0.0; 4]; width * height];
+    pixels.par_chunks_mut(width.max(1)).enumerate().for_each(|(row, pixels)| {
+        for (column, pixel) in pixels.iter_mut().enumerate() {
             // Lines along both axes cover a product set's complement: vertical lines over the
             // vertical extent, horizontal ones over the horizontal extent, less what they share.
             let (cx, ex) = (columns.lines[column], columns.extent[column]);
             let (cy, ey) = (rows.lines[row], rows.extent[row]);
             let cover = (cx * ey + cy * ex - cx * cy) as f32;
-            pixels.push(std::array::from_fn(|i| ground[i] + cover * (line[i] - ground[i])));
+            *pixel = std::array::from_fn(|i| ground[i] + cover * (line[i] - ground[i]));
         }
-    }
+    });
     Ok(Picture { width, height, pixels })
 }
 
