@@ -3,7 +3,7 @@
 use crate::options::PlayError;
 use crate::present::{self, Picture, Presenter};
 use crate::show::Show;
-use crate::trial::Stages;
+use midair_live::Stages;
 use std::sync::Arc;
 use std::time::Instant;
 use winit::dpi::PhysicalSize;

@@ -1,11 +1,10 @@
 //! What keys do.
 
-use crate::nudge::Nudge;
 use crate::show::Show;
-use crate::steady::Steady;
 use midair::geometry::Vec3;
 use midair::map::format::write_bytes_atomically;
 use midair::scene::to_toml;
+use midair_live::{Nudge, Steady};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use winit::event_loop::ActiveEventLoop;

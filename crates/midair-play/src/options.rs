@@ -1,10 +1,7 @@
 //! How the show is run, and why it may not be.
 
-use crate::source::SourceKind;
-use crate::steady::OneEuro;
-use crate::tracker::{Calibration, Protocol};
-use crate::trial::Trial;
 use midair::picture::Overflow;
+use midair_live::{Calibration, OneEuro, Protocol, SourceKind, Trial};
 use std::path::PathBuf;
 use std::time::Duration;
 

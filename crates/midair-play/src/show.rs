@@ -1,17 +1,14 @@
 //! The window and what happens in it.
 
 use crate::draw::Screen;
-use crate::lit::Lit;
-use crate::nudge::Target;
 use crate::options::{Options, PlayError};
-use crate::solver::{self, COLOURS, Job, Newest, Request, Settled, Solved, Spent};
-use crate::source::{Frame, Player};
-use crate::steady::Steady;
-use crate::tracker::{Calibration, Protocol, Reading, listen};
-use crate::trial::{Departures, Latency, Stages, latency, send};
 use midair::geometry::Vec3;
 use midair::picture::Drive;
 use midair::scene::Loaded;
+use midair_live::{
+    COLOURS, Calibration, Departures, Frame, Job, Latency, Lit, Newest, Player, Protocol, Reading,
+    Request, Settled, Solved, Spent, Stages, Steady, Target, latency, listen, send, start,
+};
 use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -62,7 +59,7 @@ pub fn run(loaded: Loaded, options: Options) -> Result<Outcome, PlayError> {
     let (requests, solved, spent) =
         (Arc::new(Newest::new()), Arc::new(Newest::new()), Arc::new(Spent::default()));
     let (ready, settled, refused) = (tell(&proxy), tell(&proxy), tell(&proxy));
-    solver::start(
+    start(
         Arc::clone(&requests),
         Arc::clone(&solved),
         Arc::clone(&spent),

@@ -4,10 +4,8 @@ use crate::arguments::{GainMode, Point, Size, open_scene};
 use crate::failure::Failure;
 use crate::summary::{Voice, paths};
 use midair::picture::Sequence;
-use midair_play::{
-    Calibration, Latency, OneEuro, Options, Outcome, PlayError, Protocol, Renderer, SourceKind,
-    Trial, run as show,
-};
+use midair_live::{Calibration, Latency, OneEuro, Protocol, SourceKind, Trial};
+use midair_play::{Options, Outcome, PlayError, Renderer, run as show};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;

@@ -4,9 +4,9 @@ mod graphics;
 mod processor;
 
 use crate::options::{PlayError, Renderer};
-use crate::solver::Solved;
 use graphics::Graphics;
 use midair::picture::{Drive, LightFrame};
+use midair_live::Solved;
 use processor::Processor;
 use std::sync::Arc;
 use std::time::Instant;
@@ -46,7 +46,7 @@ pub(crate) fn open(
         Renderer::Cpu => processor(window),
         Renderer::Gpu => match Graphics::open(window, true) {
             Ok(graphics) => Ok(Box::new(graphics)),
-            Err(why) => Err(PlayError::Graphics(why)),
+            Err(why) => Err(PlayError::Graphics(why.to_string())),
         },
         // A device that is the processor in disguise would only be a slower way to the same picture.
         Renderer::Auto => match Graphics::open(window, false) {

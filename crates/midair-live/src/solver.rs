@@ -1,18 +1,20 @@
 //! Maps for the newest viewpoint, on a thread of their own.
 
 use crate::brightness::Brightness;
-use midair::compensate::uncompensated_map;
+use crate::newest::{Late, Newest};
+use crate::spent::{SPARE, Spent};
+use midair::evaluate::proof::uncompensated_map;
 use midair::geometry::Vec3;
 use midair::map::{Accuracy, Inverse};
 use midair::picture::{Filter, FrameEvening, Overflow, Warp};
 use midair::scene::Loaded;
 use midair::transport::Setup;
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// What is wanted.
 #[derive(Clone, Debug)]
-pub(crate) struct Request {
+pub struct Request {
     /// The set-up as it is now.
     pub loaded: Arc<Loaded>,
     /// The eye, if it is not the set-up's.
@@ -31,7 +33,7 @@ pub(crate) struct Request {
 
 /// What the solver does next.
 #[derive(Clone, Debug)]
-pub(crate) enum Job {
+pub enum Job {
     /// A map, which is waited for.
     Map(Request),
     /// The map has been shown: there is time for its gain, until the next one is asked for.
@@ -40,114 +42,30 @@ pub(crate) enum Job {
 
 /// A gain for a map that is shown with an earlier one.
 #[derive(Clone, Debug)]
-pub(crate) struct Settled {
+pub struct Settled {
     /// The map's.
     pub viewpoint: Vec3,
+    /// What is divided out of frames.
     pub evening: Arc<FrameEvening>,
 }
 
 /// A map ready to be shown.
 #[derive(Debug)]
-pub(crate) struct Solved {
+pub struct Solved {
     /// Counted from 0: no two maps have the same.
     pub number: u64,
+    /// Its taps.
     pub warp: Warp,
     /// The gain to divide out of frames: the viewpoint's, or that of one nearby until there is time for it.
     pub evening: Option<Arc<FrameEvening>>,
+    /// Pixels of the source that the taps are for.
     pub source: [usize; 2],
+    /// The eye that it is for.
     pub viewpoint: Vec3,
+    /// The packet that asked for it, and when it came.
     pub packet: Option<(u64, Instant)>,
     /// Time that map and weights took, s.
     pub seconds: f64,
-}
-
-/// Nothing came in time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Late;
-
-/// A place for one thing, of which the newest counts.
-#[derive(Debug)]
-pub(crate) struct Newest<T> {
-    slot: Mutex<(Option<T>, bool)>,
-    bell: Condvar,
-}
-
-impl<T> Newest<T> {
-    pub fn new() -> Self {
-        Self { slot: Mutex::new((None, false)), bell: Condvar::new() }
-    }
-
-    /// Puts a thing in the place of what was there, which is given back.
-    pub fn put(&self, thing: T) -> Option<T> {
-        let before = self.slot.lock().unwrap_or_else(PoisonError::into_inner).0.replace(thing);
-        self.bell.notify_one();
-        before
-    }
-
-    /// Puts a thing that gives way to whatever else is there.
-    pub fn offer(&self, thing: T) {
-        self.slot.lock().unwrap_or_else(PoisonError::into_inner).0.get_or_insert(thing);
-        self.bell.notify_one();
-    }
-
-    /// Whether there is a thing, or will be none any more.
-    pub fn calls(&self) -> bool {
-        let slot = self.slot.lock().unwrap_or_else(PoisonError::into_inner);
-        slot.0.is_some() || slot.1
-    }
-
-    /// Takes the thing, if there is one.
-    pub fn take(&self) -> Option<T> {
-        self.slot.lock().unwrap_or_else(PoisonError::into_inner).0.take()
-    }
-
-    /// Waits for a thing, but no longer than that; `None` once [`close`](Self::close)d.
-    ///
-    /// # Errors
-    /// [`Late`] where none came in time.
-    pub fn wait_within(&self, longest: Duration) -> Result<Option<T>, Late> {
-        let start = Instant::now();
-        let mut slot = self.slot.lock().unwrap_or_else(PoisonError::into_inner);
-        loop {
-            if slot.1 {
-                return Ok(None);
-            }
-            if let Some(thing) = slot.0.take() {
-                return Ok(Some(thing));
-            }
-            let left = longest.saturating_sub(start.elapsed());
-            if left.is_zero() {
-                return Err(Late);
-            }
-            slot = self.bell.wait_timeout(slot, left).unwrap_or_else(PoisonError::into_inner).0;
-        }
-    }
-
-    /// Nothing more is wanted.
-    pub fn close(&self) {
-        self.slot.lock().unwrap_or_else(PoisonError::into_inner).1 = true;
-        self.bell.notify_all();
-    }
-}
-
-/// Memory of warps that are no longer shown, for others to use: touched for the first time it takes longer than all the rest of a map.
-#[derive(Debug, Default)]
-pub(crate) struct Spent(Mutex<Vec<Warp>>);
-
-/// One is shown, one waits to be, one is made: no more than two are ever left over at once.
-const SPARE: usize = 2;
-
-impl Spent {
-    pub fn put(&self, warp: Warp) {
-        let mut warps = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if warps.len() < SPARE {
-            warps.push(warp);
-        }
-    }
-
-    fn take(&self) -> Option<Warp> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).pop()
-    }
 }
 
 /// The viewer rests when no map was asked for in so long, the period of one and a half packets of a tracker that sends 60 a second.
@@ -157,7 +75,7 @@ const REST: Duration = Duration::from_millis(25);
 
 /// Solves whatever is newest until the jobs are closed. `ready` is called after each map, `settled` with a gain that replaces a shown
 /// map's, `refused` with what cannot be solved. Warps that are no longer shown come back by `spent`: their memory is used again.
-pub(crate) fn start(
+pub fn start(
     jobs: Arc<Newest<Job>>,
     solved: Arc<Newest<Solved>>,
     spent: Arc<Spent>,
@@ -227,7 +145,7 @@ pub(crate) fn start(
 }
 
 /// The colours of a frame's channels: blue first, as windows have them.
-pub(crate) const COLOURS: [usize; 3] = [2, 1, 0];
+pub const COLOURS: [usize; 3] = [2, 1, 0];
 
 /// A set-up that maps are solved for.
 struct Known {
@@ -337,22 +255,5 @@ mod tests {
         jobs.offer(Job::Gain);
         assert!(gains.recv_timeout(8 * REST).is_err());
         jobs.close();
-    }
-
-    #[test]
-    fn the_newest_wins_and_closing_ends_the_wait() {
-        let newest = Newest::new();
-        assert_eq!(newest.wait_within(Duration::from_millis(1)), Err(Late));
-        assert_eq!((newest.put(1), newest.put(2)), (None, Some(1)));
-        // What is offered gives way.
-        newest.offer(3);
-        assert!(newest.calls());
-        assert_eq!(newest.wait_within(Duration::MAX), Ok(Some(2)));
-        assert_eq!(newest.take(), None);
-        assert!(!newest.calls());
-        newest.offer(4);
-        assert_eq!(newest.wait_within(Duration::MAX), Ok(Some(4)));
-        newest.close();
-        assert_eq!(newest.wait_within(Duration::MAX), Ok(None));
     }
 }

@@ -45,9 +45,10 @@ pub struct Stages {
 
 /// When each packet left.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Departures(Arc<Mutex<Vec<Instant>>>);
+pub struct Departures(Arc<Mutex<Vec<Instant>>>);
 
 impl Departures {
+    /// When a packet left.
     pub fn of(&self, packet: u64) -> Option<Instant> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).get(packet as usize).copied()
     }
@@ -59,7 +60,10 @@ const SETTLING: Duration = Duration::from_millis(500);
 
 /// Sends the packets of a head that sways, half a second from now: real UDP packets in opentrack's form, their number in the place of
 /// the yaw. `done` is called a second after the last.
-pub(crate) fn send(
+///
+/// # Errors
+/// What the system says where packets cannot be sent.
+pub fn send(
     trial: Trial,
     port: u16,
     around: [f64; 3],
@@ -90,7 +94,7 @@ pub(crate) fn send(
 }
 
 /// The figures of a trial; `None` if nothing was shown.
-pub(crate) fn latency(sent: usize, shown: &[Stages]) -> Option<Latency> {
+pub fn latency(sent: usize, shown: &[Stages]) -> Option<Latency> {
     let at = |stage: fn(&Stages) -> f64, share: f64| {
         let mut sorted: Vec<f64> = shown.iter().map(stage).collect();
         sorted.sort_by(f64::total_cmp);

@@ -5,8 +5,8 @@ use midair::picture::{FrameEvening, LightFrame, WarpError};
 use std::sync::Arc;
 
 /// The light of the last frame that was drawn.
-#[derive(Default)]
-pub(crate) struct Lit {
+#[derive(Debug, Default)]
+pub struct Lit {
     light: LightFrame,
     /// Of which frame, and with which gain divided out.
     of: Option<(Frame, Option<Arc<FrameEvening>>)>,

@@ -1,9 +1,9 @@
 //! What is shown: frames at their times.
 
-use crate::solver::Newest;
+use crate::newest::Newest;
 use midair::measure::lattice::{LatticeStyle, draw_lattice};
-use midair::picture::{FileError, Picture, Sequence, read_still, srgb};
 use midair_video::{Decoder, VideoError, probe};
+use midair::picture::{FileError, Picture, Sequence, read_still, srgb};
 use std::io::Read as _;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -27,12 +27,15 @@ pub enum SourceKind {
 
 /// A frame of bytes blue, green, red and one unused, rows from the top.
 #[derive(Clone, Debug)]
-pub(crate) struct Frame {
+pub struct Frame {
+    /// Columns and rows.
     pub size: [usize; 2],
+    /// Four for each pixel.
     pub bytes: Arc<Vec<u8>>,
 }
 
 impl Frame {
+    /// A picture's light as sRGB codes.
     pub fn of_picture(picture: &Picture) -> Self {
         let code = |pixel: &[f32; 4]| [pixel[2], pixel[1], pixel[0], 1.0].map(srgb::encode_8);
         let bytes = picture.pixels.iter().flat_map(code).collect();
@@ -54,20 +57,27 @@ impl Frame {
 
 /// Why a source has no frames.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum SourceError {
+pub enum SourceError {
+    /// A picture cannot be read.
     #[error(transparent)]
     File(#[from] FileError),
+    /// A film cannot be decoded.
     #[error(transparent)]
     Film(#[from] VideoError),
+    /// Standard input broke.
     #[error("standard input: {0}")]
     Stdin(std::io::Error),
 }
 
 /// Hands frames over until `gone`; each is announced by `ready`.
-pub(crate) struct Player {
+pub struct Player {
+    /// Where they are put.
     pub frames: Arc<Newest<Frame>>,
+    /// Whether the show stands still.
     pub paused: Arc<AtomicBool>,
+    /// Called after each frame.
     pub ready: Box<dyn Fn() + Send>,
+    /// Whether the show has ended.
     pub gone: Arc<AtomicBool>,
 }
 
@@ -99,6 +109,9 @@ impl Player {
     }
 
     /// Plays a source to its end, which only standard input has.
+    ///
+    /// # Errors
+    /// [`SourceError`] where frames cannot be had.
     pub fn play(&self, kind: &SourceKind, image: [f64; 2]) -> Result<(), SourceError> {
         match kind {
             SourceKind::Still(path) => {

@@ -116,7 +116,10 @@ impl Calibration {
 
 /// Listens on a port and hands each reading over with the time at which it came; packets of another kind are passed over. Ends when
 /// `hear` says no.
-pub(crate) fn listen(
+///
+/// # Errors
+/// What the system says of a port that cannot be had.
+pub fn listen(
     protocol: Protocol,
     port: u16,
     mut hear: impl FnMut(Reading, Instant) -> bool + Send + 'static,
