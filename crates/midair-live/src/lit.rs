@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 /// The light of the last frame that was drawn.
 #[derive(Debug, Default)]
-pub struct Lit {
+pub(crate) struct Lit {
     light: LightFrame,
     /// Of which frame, and with which gain divided out.
     of: Option<(Frame, Option<Arc<FrameEvening>>)>,
@@ -17,6 +17,11 @@ pub struct Lit {
 }
 
 impl Lit {
+    /// The light of the frame that was decoded last, and its number.
+    pub fn last(&self) -> (&LightFrame, u64) {
+        (&self.light, self.number)
+    }
+
     /// The light of a frame, its gain divided out if there is one; and its number, which tells it from all others.
     ///
     /// # Errors

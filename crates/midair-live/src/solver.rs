@@ -1,4 +1,4 @@
-//! Maps for the newest viewpoint, on a thread of their own.
+//! Maps for the newest viewpoint, and their gains.
 
 use crate::brightness::Brightness;
 use crate::newest::{Late, Newest};
@@ -28,7 +28,7 @@ pub struct Request {
     /// Whether the gain is divided out, and how.
     pub gain: Option<Overflow>,
     /// The packet that asked for it, and when it came.
-    pub packet: Option<(u64, Instant)>,
+    pub packet: Option<(u64, Duration)>,
 }
 
 /// What the solver does next.
@@ -58,94 +58,121 @@ pub struct Solved {
     pub warp: Warp,
     /// The gain to divide out of frames: the viewpoint's, or that of one nearby until there is time for it.
     pub evening: Option<Arc<FrameEvening>>,
+    /// The set-up that it is of.
+    pub loaded: Arc<Loaded>,
     /// Pixels of the source that the taps are for.
     pub source: [usize; 2],
     /// The eye that it is for.
     pub viewpoint: Vec3,
     /// The packet that asked for it, and when it came.
-    pub packet: Option<(u64, Instant)>,
-    /// Time that map and weights took, s.
+    pub packet: Option<(u64, Duration)>,
+    /// Time that map and weights took, s; who runs the solver says it.
     pub seconds: f64,
 }
+
+/// The colours of a frame's channels: blue first, as windows have them.
+pub(crate) const COLOURS: [usize; 3] = [2, 1, 0];
 
 /// The viewer rests when no map was asked for in so long, the period of one and a half packets of a tracker that sends 60 a second.
 /// A gain that was worked out meanwhile goes with the next map, so that a moving viewer's frames are drawn once each; at rest it is
 /// shown by itself.
 const REST: Duration = Duration::from_millis(25);
 
-/// Solves whatever is newest until the jobs are closed. `ready` is called after each map, `settled` with a gain that replaces a shown
-/// map's, `refused` with what cannot be solved. Warps that are no longer shown come back by `spent`: their memory is used again.
+/// What the solver has to tell.
+#[derive(Debug)]
+pub enum Found {
+    /// There is a map.
+    Map(Solved),
+    /// The viewer rests, and the last map's gain is known.
+    Gain(Settled),
+    /// There is no map, and why.
+    Refused(String),
+}
+
+/// Solves whatever is newest until the jobs are closed, on threads of its own: a map may take seconds, and the picture is warped by
+/// others meanwhile. Warps that are no longer shown come back by `spent`: their memory is used again.
 pub fn start(
     jobs: Arc<Newest<Job>>,
-    solved: Arc<Newest<Solved>>,
     spent: Arc<Spent>,
-    ready: impl Fn() + Send + 'static,
-    settled: impl Fn(Settled) + Send + 'static,
-    refused: impl Fn(String) + Send + 'static,
+    tell: impl Fn(Found) + Send + Sync + 'static,
 ) {
     std::thread::spawn(move || {
-        let mut known: Option<Known> = None;
-        let mut numbers = 0..;
-        let mut began = false;
-        // What is to be shown when the viewer rests.
-        let mut owed = None;
-        loop {
-            let longest = if owed.is_some() { REST } else { Duration::MAX };
-            let request = match jobs.wait_within(longest) {
-                Err(Late) => {
-                    owed.take().into_iter().for_each(&settled);
-                    continue;
-                }
-                Ok(None) => return,
-                Ok(Some(Job::Gain)) => {
-                    owed = known.as_mut().and_then(|known| known.settle(&jobs)).or(owed);
-                    continue;
-                }
-                Ok(Some(Job::Map(request))) => request,
-            };
-            owed = None;
-            let start = Instant::now();
-            let same =
-                known.as_ref().is_some_and(|known| Arc::ptr_eq(&known.loaded, &request.loaded));
-            if !same {
-                match Known::new(&request) {
-                    Ok(new) => known = Some(new),
-                    Err(why) => {
-                        refused(why);
-                        continue;
+        let solve = || {
+            let mut solver = Solver::default();
+            // What is to be shown when the viewer rests.
+            let mut owed = None;
+            loop {
+                let longest = if owed.is_some() { REST } else { Duration::MAX };
+                match jobs.wait_within(longest) {
+                    Err(Late) => owed.take().map(Found::Gain).into_iter().for_each(&tell),
+                    Ok(None) => return,
+                    Ok(Some(Job::Gain)) => owed = solver.settle(|| jobs.calls()).or(owed),
+                    Ok(Some(Job::Map(request))) => {
+                        owed = None;
+                        let start = Instant::now();
+                        let solved = solver.solve(&request, &spent);
+                        let seconds = start.elapsed().as_secs_f64();
+                        tell(match solved {
+                            Ok(solved) => Found::Map(Solved { seconds, ..solved }),
+                            Err(why) => Found::Refused(why),
+                        });
                     }
                 }
             }
-            let Some(known) = &mut known else { continue };
-            match known.solve(&request, spent.take()) {
-                Ok((warp, evening)) => {
-                    // The next viewpoints find memory at once.
-                    if !began {
-                        began = true;
-                        (0..SPARE).for_each(|_| spent.put(warp.clone()));
-                    }
-                    let overtaken = solved.put(Solved {
-                        number: numbers.next().unwrap_or_default(),
-                        warp,
-                        evening,
-                        source: request.source,
-                        viewpoint: known.setup.viewpoint,
-                        packet: request.packet,
-                        seconds: start.elapsed().as_secs_f64(),
-                    });
-                    ready();
-                    if let Some(overtaken) = overtaken {
-                        spent.put(overtaken.warp);
-                    }
-                }
-                Err(why) => refused(why),
-            }
+        };
+        match rayon::ThreadPoolBuilder::new().build() {
+            Ok(pool) => pool.install(solve),
+            // Without threads of its own it shares those of the picture.
+            Err(_) => solve(),
         }
     });
 }
 
-/// The colours of a frame's channels: blue first, as windows have them.
-pub const COLOURS: [usize; 3] = [2, 1, 0];
+/// Makes maps one by one, and keeps what one of them has in common with the next.
+#[derive(Default)]
+pub struct Solver {
+    known: Option<Known>,
+    /// Of the next map.
+    number: u64,
+}
+
+impl Solver {
+    /// A map that was asked for.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn solve(&mut self, request: &Request, spent: &Spent) -> Result<Solved, String> {
+        let same =
+            self.known.as_ref().is_some_and(|known| Arc::ptr_eq(&known.loaded, &request.loaded));
+        if !same {
+            self.known = Some(Known::new(request)?);
+        }
+        let Some(known) = &mut self.known else { return Err("there is no set-up".to_owned()) };
+        let (warp, evening) = known.solve(request, spent.take())?;
+        // The next viewpoints find memory at once.
+        if self.number == 0 {
+            (0..SPARE).for_each(|_| spent.put(warp.clone()));
+        }
+        let number = self.number;
+        self.number += 1;
+        Ok(Solved {
+            number,
+            warp,
+            evening,
+            loaded: Arc::clone(&known.loaded),
+            source: request.source,
+            viewpoint: known.setup.viewpoint,
+            packet: request.packet,
+            seconds: 0.0,
+        })
+    }
+
+    /// Goes on with the last map's gain until something else is to be done. The gain, once it is another than the map was handed over
+    /// with.
+    pub fn settle(&mut self, calls: impl Fn() -> bool) -> Option<Settled> {
+        self.known.as_mut()?.settle(calls)
+    }
+}
 
 /// A set-up that maps are solved for.
 struct Known {
@@ -187,13 +214,11 @@ impl Known {
         warp.map(|warp| (warp, self.evening.clone())).map_err(|error| error.to_string())
     }
 
-    /// Goes on with the last map's gain until something else is to be done. The gain, once it is another than the map was handed over
-    /// with.
-    fn settle(&mut self, jobs: &Newest<Job>) -> Option<Settled> {
+    fn settle(&mut self, calls: impl Fn() -> bool) -> Option<Settled> {
         let (Some(brightness), Some(handed)) = (&mut self.brightness, &self.evening) else {
             return None;
         };
-        while !jobs.calls() {
+        while !calls() {
             if let Some(evening) = brightness.go_on(&self.setup) {
                 let viewpoint = self.setup.viewpoint;
                 return (!Arc::ptr_eq(&evening, handed)).then_some(Settled { viewpoint, evening });
@@ -211,21 +236,16 @@ mod tests {
     use super::*;
     use std::sync::mpsc::channel;
 
+    const MINUTE: Duration = Duration::from_secs(60);
+
     #[test]
     fn a_map_has_the_last_gain_at_once_and_its_own_when_the_viewer_rests() {
         let scene = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/paper");
         let loaded = Arc::new(midair::scene::load(&scene.join("sphere.toml")).unwrap());
-        let (jobs, solved, spent) =
-            (Arc::new(Newest::new()), Arc::new(Newest::new()), Arc::new(Spent::default()));
-        let ((ready, maps), (settled, gains)) = (channel(), channel());
-        start(
-            Arc::clone(&jobs),
-            Arc::clone(&solved),
-            spent,
-            move || ready.send(()).unwrap(),
-            move |gain| settled.send(gain).unwrap(),
-            |why| panic!("{why}"),
-        );
+        let jobs = Arc::new(Newest::new());
+        let (sender, found) = channel();
+        start(Arc::clone(&jobs), Arc::default(), move |found| sender.send(found).unwrap());
+        let next = |within: Duration| found.recv_timeout(within);
         let eye = Vec3::from_array(loaded.scene.viewpoint);
         let map = |x: f64| {
             let viewpoint = eye + Vec3::new(x, 0.0, 0.0);
@@ -238,8 +258,7 @@ mod tests {
                 gain: Some(Overflow::Fit),
                 packet: None,
             }));
-            maps.recv_timeout(Duration::from_secs(60)).unwrap();
-            let solved: Solved = solved.take().unwrap();
+            let Found::Map(solved) = next(MINUTE).unwrap() else { panic!("no map") };
             assert_eq!(solved.viewpoint, viewpoint);
             solved.evening.unwrap()
         };
@@ -247,13 +266,13 @@ mod tests {
         let moved = map(4.0);
         assert!(Arc::ptr_eq(&moved, &first));
         jobs.offer(Job::Gain);
-        let own = gains.recv_timeout(Duration::from_secs(60)).unwrap();
+        let Found::Gain(own) = next(MINUTE).unwrap() else { panic!("no gain") };
         assert_eq!(own.viewpoint, eye + Vec3::new(4.0, 0.0, 0.0));
         assert!(own.evening != first);
         // The next map has it, and nothing is left to be settled.
         assert!(Arc::ptr_eq(&map(4.0), &own.evening));
         jobs.offer(Job::Gain);
-        assert!(gains.recv_timeout(8 * REST).is_err());
+        assert!(next(8 * REST).is_err());
         jobs.close();
     }
 }

@@ -1,14 +1,15 @@
 //! What is shown: frames at their times.
 
+use crate::clock::{Clock, Pace};
 use crate::newest::Newest;
 use midair::measure::lattice::{LatticeStyle, draw_lattice};
-use midair_video::{Decoder, VideoError, probe};
 use midair::picture::{FileError, Picture, Sequence, read_still, srgb};
+use midair_video::{Decoder, VideoError, probe};
 use std::io::Read as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Where frames come from.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,7 +80,12 @@ pub struct Player {
     pub ready: Box<dyn Fn() + Send>,
     /// Whether the show has ended.
     pub gone: Arc<AtomicBool>,
+    /// The show's.
+    pub clock: Clock,
 }
+
+/// How soon a pause or the end of the show is seen to.
+const NAP: Duration = Duration::from_millis(5);
 
 impl Player {
     fn show(&self, frame: Frame) -> bool {
@@ -88,24 +94,16 @@ impl Player {
         !self.gone.load(Ordering::Relaxed)
     }
 
-    /// Waits until a moment of the show, which stands still in a pause; false at the end of the show.
-    fn wait(&self, start: &mut Instant, at: f64) -> bool {
-        loop {
-            if self.gone.load(Ordering::Relaxed) {
-                return false;
+    /// Waits until a moment of the film; false at the end of the show.
+    fn wait(&self, pace: &mut Pace, at: f64) -> bool {
+        while !self.gone.load(Ordering::Relaxed) {
+            let left = pace.left(self.clock.now(), self.paused.load(Ordering::Relaxed), at);
+            match left {
+                Some(Duration::ZERO) => return true,
+                left => std::thread::sleep(NAP.min(left.unwrap_or(NAP))),
             }
-            let nap = Duration::from_millis(5);
-            if self.paused.load(Ordering::Relaxed) {
-                std::thread::sleep(nap);
-                *start += nap;
-                continue;
-            }
-            let left = at - start.elapsed().as_secs_f64();
-            if left <= 0.0 {
-                return true;
-            }
-            std::thread::sleep(nap.min(Duration::from_secs_f64(left)));
         }
+        false
     }
 
     /// Plays a source to its end, which only standard input has.
@@ -124,10 +122,10 @@ impl Player {
             }
             SourceKind::Stills(sequence, rate) => {
                 let numbers = sequence.numbers()?;
-                let mut start = Instant::now();
+                let mut pace = Pace::start(self.clock.now());
                 for (i, number) in numbers.iter().cycle().enumerate() {
                     let frame = Frame::of_picture(&read_still(&sequence.file(*number))?.picture);
-                    if !self.wait(&mut start, i as f64 / rate) || !self.show(frame) {
+                    if !self.wait(&mut pace, i as f64 / rate) || !self.show(frame) {
                         break;
                     }
                 }
@@ -155,11 +153,12 @@ impl Player {
         let film = probe(path)?;
         loop {
             let mut decoder = Decoder::new(&film, false)?;
-            let (mut start, mut bytes, mut count) = (Instant::now(), Vec::new(), 0);
+            let mut pace = Pace::start(self.clock.now());
+            let (mut bytes, mut count) = (Vec::new(), 0);
             while let Some(timing) = decoder.next(&mut bytes)? {
                 count += 1;
                 let frame = Frame::of_rgb::<3>(decoder.size(), &bytes);
-                if !self.wait(&mut start, timing.seconds()) || !self.show(frame) {
+                if !self.wait(&mut pace, timing.seconds()) || !self.show(frame) {
                     return Ok(());
                 }
             }

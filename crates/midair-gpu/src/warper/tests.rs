@@ -3,8 +3,8 @@
 use super::*;
 use crate::OffScreen;
 use midair::map::Map;
-use midair::picture::{Filter, Overflow};
 use midair::optics::screen::{Response, Screen};
+use midair::picture::{Filter, Overflow};
 use proptest::prelude::*;
 
 fn device() -> Option<Device> {

@@ -383,9 +383,8 @@ const DEEPEST: usize = 32;
 
 /// The first document, each scalar as it is written; `None` if there is none.
 fn tree(yaml: &str) -> Result<Option<MarkedYaml<'_>>, Fault> {
-    let fault = |error: ScanError| {
-        (error.marker().line(), format!("this is no YAML: {}", error.info()))
-    };
+    let fault =
+        |error: ScanError| (error.marker().line(), format!("this is no YAML: {}", error.info()));
     let mut loader = YamlLoader::<MarkedYaml<'_>>::default();
     loader.early_parse(false);
     let mut depth = 0;
@@ -397,7 +396,8 @@ fn tree(yaml: &str) -> Result<Option<MarkedYaml<'_>>, Fault> {
             _ => {}
         }
         if depth > DEEPEST {
-            let problem = format!("lists within lists, more than {DEEPEST} deep; this is no glass file");
+            let problem =
+                format!("lists within lists, more than {DEEPEST} deep; this is no glass file");
             return Err((span.start.line(), problem));
         }
         loader.on_event(event, span);

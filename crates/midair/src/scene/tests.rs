@@ -774,12 +774,18 @@ fn a_changed_scene_is_held_to_what_a_file_is_held_to() {
         (|s| s.viewpoint = [0.0, 0.0, -10.0], with("800.0]", "-10.0]")),
         (|s| s.viewpoint[0] = 2e6, with("[0.0, 0.0, 800.0]", "[2e6, 0.0, 800.0]")),
         (|s| s.viewpoint[1] = f64::NAN, with("[0.0, 0.0, 800.0]", "[0.0, nan, 800.0]")),
-        (|s| s.plate.rectangle.pose.rotation[0] = 135.0, with("[-45.0, 0.0, 0.0]", "[135.0, 0.0, 0.0]")),
+        (
+            |s| s.plate.rectangle.pose.rotation[0] = 135.0,
+            with("[-45.0, 0.0, 0.0]", "[135.0, 0.0, 0.0]"),
+        ),
         (|s| s.image.size[0] = -1.0, with("[20, 20.0]", "[-1.0, 20.0]")),
         (|s| s.elements[0].shape = Shape::Sphere { radius: 0.0 }, ball("radius = 0.0")),
         (|s| s.elements[0].shape = Shape::Sphere { radius: 900.0 }, ball("radius = 900.0")),
         (
-            |s| s.elements[0].material = Material::Refractive { index: Index::Constant(9.0), absorption: None },
+            |s| {
+                s.elements[0].material =
+                    Material::Refractive { index: Index::Constant(9.0), absorption: None }
+            },
             with("ior = 1.49", "ior = 9.0"),
         ),
     ];

@@ -19,7 +19,11 @@ impl Format {
     /// By a file's name: JSON if it ends in `.json`, else TOML.
     pub fn of_name(name: &str) -> Self {
         let extension = std::path::Path::new(name).extension();
-        if extension.is_some_and(|e| e.eq_ignore_ascii_case("json")) { Self::Json } else { Self::Toml }
+        if extension.is_some_and(|e| e.eq_ignore_ascii_case("json")) {
+            Self::Json
+        } else {
+            Self::Toml
+        }
     }
 }
 

@@ -11,7 +11,7 @@ use super::error::{SceneError, SceneText};
 use super::model::Scene;
 use super::tree::{self, Entry, Node, Value};
 use super::{Format, parse_with_places, to_toml};
-use path::{Component, Place, Step};
+use path::{Place, Step};
 
 /// A value for a key of a scene file.
 #[derive(Clone, Debug, PartialEq)]
@@ -128,12 +128,15 @@ impl SceneEdit {
         let wrong = |message: String, help: String| {
             self.places.error_at(path, format!("`{path}`: {message}"), help)
         };
-        let place = Place::new(path, &self.scene).map_err(|(message, help)| wrong(message, help))?;
+        let place =
+            Place::new(path, &self.scene).map_err(|(message, help)| wrong(message, help))?;
         let value = match &place.component {
             None => value.into(),
             Some(component) => {
                 let known = self.known(&place.steps).and_then(|node| setting(&node));
-                component.put(known, value.into()).map_err(|(message, help)| wrong(message, help))?
+                component
+                    .put(known, value.into())
+                    .map_err(|(message, help)| wrong(message, help))?
             }
         };
         self.accept(vec![(place.steps, Some(value))])
@@ -146,7 +149,11 @@ impl SceneEdit {
     /// it was. [`to_toml`] writes any scene, without the file's comments.
     pub fn set_scene(&mut self, scene: &Scene) -> Result<(), SceneError> {
         let whole = |message: &str| {
-            self.places.error(None, message, "save it as a scene of its own, without the file's comments")
+            self.places.error(
+                None,
+                message,
+                "save it as a scene of its own, without the file's comments",
+            )
         };
         if scene.elements.len() != self.scene.elements.len() {
             return Err(whole("the changed scene has other elements than the file"));

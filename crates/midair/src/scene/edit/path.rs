@@ -38,7 +38,10 @@ impl Component {
             )
         };
         let short = |length: usize| {
-            (format!("the list has {length} numbers"), "they are x, y and z, or 0, 1 and 2".to_owned())
+            (
+                format!("the list has {length} numbers"),
+                "they are x, y and z, or 0, 1 and 2".to_owned(),
+            )
         };
         match (list, value) {
             (Some(Setting::Integers(mut list)), Setting::Integer(value)) => {

@@ -159,7 +159,8 @@ fn a_changed_scene_goes_into_the_file() {
     let text = bench().text().replace("# acrylic\n", "# acrylic\nabsorption = 0.1 # grey\n");
     let mut edit = SceneEdit::new(&text, "bench.toml", Format::Toml).unwrap();
     let mut scene = edit.scene().clone();
-    let crate::scene::model::Material::Refractive { absorption, .. } = &mut scene.elements[0].material
+    let crate::scene::model::Material::Refractive { absorption, .. } =
+        &mut scene.elements[0].material
     else {
         panic!()
     };

@@ -31,7 +31,9 @@ fn put(block: &mut dyn TableLike, steps: &[Step], value: Option<&Setting>) -> Re
         [Step::Key(key), Step::Item(i), rest @ ..] => {
             let missing = || format!("the file has no `{key}` number {i}");
             match block.get_mut(key).ok_or_else(missing)? {
-                Item::ArrayOfTables(tables) => put(tables.get_mut(*i).ok_or_else(missing)?, rest, value),
+                Item::ArrayOfTables(tables) => {
+                    put(tables.get_mut(*i).ok_or_else(missing)?, rest, value)
+                }
                 Item::Value(Value::Array(list)) => {
                     let table = list.get_mut(*i).and_then(Value::as_inline_table_mut);
                     put(table.ok_or_else(missing)?, rest, value)
