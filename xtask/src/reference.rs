@@ -95,7 +95,7 @@ fn scene_tables(schema: &Value) -> String {
     let mut text = String::new();
     block(&mut text, "Top level", schema);
     let properties = &schema["properties"];
-    for name in ["viewpoint", "image", "plate", "display"] {
+    for name in ["viewpoint", "image", "plate", "display", "tracker"] {
         block(&mut text, &format!("`[{name}]`"), &properties[name]);
     }
     let element = &properties["element"]["items"];

@@ -1,34 +1,53 @@
 //! The window, and what is drawn in it.
 
 use crate::options::PlayError;
-use crate::present::{self, Picture, Presenter};
-use crate::show::Show;
-use crate::trial::Stages;
+use crate::present::{self, Presenter};
+use crate::screens;
+use crate::window::Window;
 use std::sync::Arc;
-use std::time::Instant;
 use winit::dpi::PhysicalSize;
 use winit::event_loop::ActiveEventLoop;
-use winit::window::{Fullscreen, Window};
+use winit::window::Fullscreen;
 
 /// The window, and who makes its picture.
 pub(crate) struct Screen {
-    pub window: Arc<Window>,
+    pub window: Arc<winit::window::Window>,
     pub presenter: Box<dyn Presenter>,
 }
 
-impl Show {
+impl Screen {
+    /// Columns and rows.
+    pub fn size(&self) -> [usize; 2] {
+        let PhysicalSize { width, height } = self.window.inner_size();
+        [width as usize, height as usize]
+    }
+
+    /// Whether the picture is all that the screen shows.
+    pub fn is_full(&self) -> bool {
+        self.window.fullscreen().is_some()
+    }
+
+    /// Fills the screen, or gives it back.
+    pub fn turn(&self) {
+        let full = self.is_full();
+        self.window.set_fullscreen((!full).then_some(Fullscreen::Borderless(None)));
+        self.window.set_cursor_visible(full);
+    }
+}
+
+impl Window<'_> {
     pub fn open(&self, events: &ActiveEventLoop) -> Result<Screen, PlayError> {
         let wrong = |error: &dyn std::fmt::Display| PlayError::Window(error.to_string());
-        let [width, height] = self.options.size.unwrap_or(self.loaded.scene.display.resolution);
-        let mut attributes = Window::default_attributes()
-            .with_title(format!("midair: {}", self.loaded.scene.name))
+        let scene = &self.show.loaded().scene;
+        let [width, height] = self.options.size.unwrap_or(scene.display.resolution);
+        let mut attributes = winit::window::Window::default_attributes()
+            .with_title(format!("midair: {}", scene.name))
             .with_inner_size(PhysicalSize::new(width as u32, height as u32));
-        let monitors: Vec<_> = events.available_monitors().collect();
         let monitor = match self.options.screen {
             None => None,
-            Some(asked) => match monitors.get(asked) {
-                Some(monitor) => Some(monitor.clone()),
-                None => return Err(PlayError::Screen { asked, there: monitors.len() }),
+            Some(asked) => match events.available_monitors().nth(asked) {
+                Some(monitor) => Some(monitor),
+                None => return Err(PlayError::Screen { asked, there: screens::there(events) }),
             },
         };
         if let Some(monitor) = &monitor {
@@ -45,99 +64,34 @@ impl Show {
 
     /// The show goes on by the processor where a graphics device gives up.
     fn fall_back(&mut self, why: &str) {
+        let now = self.clock.now();
         let Some(screen) = &mut self.screen else { return };
         match present::processor(&screen.window) {
             Ok(processor) => {
                 screen.presenter = processor;
                 screen.window.request_redraw();
-                self.say(format!("the graphics device gave up, the processor goes on: {why}"));
+                let text = format!("the graphics device gave up, the processor goes on: {why}");
+                self.show.say(text, now);
             }
             // Without either there is nothing to be done but to keep the last picture.
-            Err(_) => self.say(why.to_owned()),
+            Err(_) => self.show.say(why.to_owned(), now),
         }
     }
 
     /// Warps the newest frame by the newest map, and presents it.
     pub fn draw(&mut self) {
-        let lines = if self.show_overlay { self.figures() } else { Vec::new() };
-        let Some(frame) = self.shown_frame().cloned() else { return };
-        let (Some(map), Some(screen)) = (&self.map, &mut self.screen) else { return };
-        let size = screen.window.inner_size();
-        // A map for another window or source is on its way to be replaced.
-        if map.warp.size() != [size.width as usize, size.height as usize]
-            || map.source != frame.size
-        {
-            return;
-        }
-        let started = Instant::now();
-        let evened = map.evening.as_ref().zip(self.evened.as_ref());
-        let (evening, drive) =
-            evened.map_or((None, &self.drive), |(evening, drive)| (Some(evening), drive));
-        let Ok((light, light_number)) = self.light.of(&frame, evening) else { return };
-        let picture = Picture { map, light, light_number, drive, lines: &lines };
-        let drawn = match screen.presenter.show(size.into(), &picture) {
-            Ok(Some(drawn)) => drawn,
-            Ok(None) => return,
-            Err(why) => return self.fall_back(&why),
-        };
-        let now = Instant::now();
-        self.presented.push_back(now);
-        while self.presented.len() > 60 {
-            self.presented.pop_front();
-        }
-        // A viewpoint counts once, when it is first seen.
-        if let Some(map) = &mut self.map
-            && let Some((number, came)) = map.packet.take()
-        {
-            let delay = now.duration_since(came).as_secs_f64();
-            self.delay = Some(self.delay.map_or(delay, |known| 0.9 * known + 0.1 * delay));
-            if let Some(left) =
-                self.departures.as_ref().and_then(|departures| departures.of(number))
-            {
-                let ms = |from: Instant, to: Instant| 1e3 * to.duration_since(from).as_secs_f64();
-                self.shown.push(Stages {
-                    whole: ms(left, now),
-                    solve: 1e3 * map.seconds,
-                    draw: ms(started, drawn),
-                    present: ms(drawn, now),
-                });
+        let begun = self.clock.now();
+        let Some(screen) = &mut self.screen else { return };
+        let lines = self.show.lines(screen.presenter.name(), begun);
+        let Some(picture) = self.show.picture(begun) else { return };
+        self.letters.write(lines, picture.size);
+        match screen.presenter.show(&picture, &self.letters, self.clock) {
+            Ok(Some(ready)) => {
+                let (now, trial) = (self.clock.now(), self.departures.as_ref());
+                self.stages.extend(self.show.presented(begun, ready, now, trial));
             }
+            Ok(None) => {}
+            Err(why) => self.fall_back(&why),
         }
-    }
-
-    fn figures(&self) -> Vec<String> {
-        let rate = match (self.presented.front(), self.presented.back()) {
-            (Some(first), Some(last)) if last > first => {
-                (self.presented.len() - 1) as f64 / last.duration_since(*first).as_secs_f64()
-            }
-            _ => 0.0,
-        };
-        let mut lines = vec![format!(
-            "{rate:.0} frames/s   map {:.1} ms",
-            self.map.as_ref().map_or(0.0, |map| 1e3 * map.seconds)
-        )];
-        lines.extend(self.screen.as_ref().map(|screen| screen.presenter.name().to_owned()));
-        if let Some(map) = &self.map {
-            let (eye, followed) =
-                (map.viewpoint, if self.tracked.is_some() { " (followed)" } else { "" });
-            lines.push(format!("eye {:.1} {:.1} {:.1} mm{followed}", eye.x, eye.y, eye.z));
-        }
-        if let Some(delay) = self.delay {
-            lines.push(format!("packet to screen {:.1} ms", 1e3 * delay));
-        }
-        if self.map.as_ref().is_some_and(|map| map.evening.is_some()) {
-            lines.push(format!("gain divided out, {:.1} % clipped", 100.0 * self.light.clipped));
-        }
-        lines.push(format!("nudging: {}", self.target.name(&self.loaded)));
-        if self.uncompensated {
-            lines.push("uncompensated".to_owned());
-        }
-        lines.extend(
-            self.message
-                .as_ref()
-                .filter(|(_, time)| time.elapsed().as_secs() < 5)
-                .map(|(text, _)| text.clone()),
-        );
-        lines
     }
 }

@@ -1,10 +1,7 @@
 //! How the show is run, and why it may not be.
 
-use crate::source::SourceKind;
-use crate::steady::OneEuro;
-use crate::tracker::{Calibration, Protocol};
-use crate::trial::Trial;
-use midair::picture::Overflow;
+use crate::screens::ScreenInfo;
+use midair_live::{Latency, Settings, SourceKind, Trial};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -21,24 +18,27 @@ pub struct Options {
     pub screen: Option<usize>,
     /// What makes the picture.
     pub renderer: Renderer,
-    /// Who tells where the viewer is, and on which port.
-    pub tracker: Option<(Protocol, u16)>,
-    /// From the tracker's frame to the scene's.
-    pub calibration: Calibration,
-    /// Smoothing; `None`: none.
-    pub smoothing: Option<OneEuro>,
-    /// How far ahead the viewer is looked for, s; `None`: the measured latency.
-    pub predict: Option<f64>,
-    /// Whether the gain is divided out, and what is done where that takes a brighter display.
-    pub gain: Option<Overflow>,
-    /// Whether figures are shown from the beginning.
-    pub overlay: bool,
+    /// The show's own.
+    pub settings: Settings,
     /// Where a nudged scene is saved.
     pub save_to: PathBuf,
     /// The show ends by itself.
     pub end_after: Option<Duration>,
     /// Latency is measured with a synthetic tracker, and the show ends with it.
     pub trial: Option<Trial>,
+}
+
+/// What came of a show.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// The latency, if it was measured.
+    pub latency: Option<Latency>,
+    /// The scene files that were saved.
+    pub saved: Vec<PathBuf>,
+    /// What made the picture at the end.
+    pub renderer: String,
+    /// Packets of the tracker that were readings, and that were not, if one was listened to.
+    pub packets: Option<[u64; 2]>,
 }
 
 /// What makes the picture.
@@ -81,11 +81,15 @@ pub enum PlayError {
     #[error("{0}")]
     Solve(String),
     /// There is no such screen.
-    #[error("there is no screen {asked}; there are {there}, counted from 0")]
+    #[error("there is no screen {asked}; there are, counted from 0:{}", listed(there))]
     Screen {
         /// The one asked for.
         asked: usize,
-        /// How many there are.
-        there: usize,
+        /// Those that there are.
+        there: Vec<ScreenInfo>,
     },
+}
+
+fn listed(screens: &[ScreenInfo]) -> String {
+    screens.iter().enumerate().map(|(i, screen)| format!("\n  {i}: {screen}")).collect()
 }

@@ -3,11 +3,11 @@
 use crate::arguments::{GainMode, Point, Size, open_scene};
 use crate::failure::Failure;
 use crate::summary::{Voice, paths};
+use midair::geometry::Vec3;
 use midair::picture::{Sequence, is_picture_name};
-use midair_play::{
-    Calibration, Latency, OneEuro, Options, Outcome, PlayError, Protocol, Renderer, SourceKind,
-    Trial, run as show,
-};
+use midair::scene::Loaded;
+use midair_live::{Calibration, Latency, OneEuro, Protocol, Settings, SourceKind, Trial};
+use midair_play::{Options, Outcome, PlayError, Renderer, run as show, screens};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -15,11 +15,12 @@ use std::time::Duration;
 
 /// Show the compensated source live, following the viewer
 ///
-/// Opens a window for the display's screen. Keys: Space pause, L lattice, U uncompensated, O figures, F fullscreen, Tab select what to nudge, arrows and Page Up/Down
-/// nudge it by 0.1 mm (with Ctrl turn it by 0.1 degree, with Shift ten times as much), S save the nudged scene, C take the tracker's reading as the
-/// viewpoint, Esc end.
+/// Opens a window on the light source's screen. Only a picture that fills the screen (--fullscreen, or the key F) is true to scale: a window is as
+/// large as its pixels. The key H shows what the keys do: O figures, Tab what to nudge, arrows and Page Up/Down nudge it, Backspace takes the last step
+/// back, R all of them, S saves the scene, Esc ends. A nudge or a reading of a tracker that a scene file could not say is refused, and the last map stays.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Examples:\n  midair play scene.toml film.mp4 --fullscreen --display 1\n  \
+#[command(after_help = "Examples:\n  midair play --list-displays\n  \
+    midair play scene.toml film.mp4 --fullscreen --display 1\n  \
     midair play scene.toml lattice --track opentrack:4242\n  \
     midair play scene.toml photo.jpg --track osc:9000 --tracker-position 0,300,100 --tracker-rotation 0,180,0\n  \
     other-program | midair play scene.toml - --source-size 1280x720\n  \
@@ -27,7 +28,8 @@ use std::time::Duration;
     midair play scene.toml --bench --size 1920x1080")]
 pub struct Arguments {
     /// Scene file (TOML or JSON)
-    scene: PathBuf,
+    #[arg(required_unless_present = "list_displays")]
+    scene: Option<PathBuf>,
     /// A picture, a film, numbered pictures (frames/%04d.png), `lattice`, or - for raw RGBA frames on standard input
     #[arg(default_value = "lattice")]
     source: String,
@@ -37,10 +39,13 @@ pub struct Arguments {
     /// Numbered pictures a second
     #[arg(long, value_name = "R", default_value = "25", value_parser = crate::arguments::positive)]
     rate: f64,
-    /// The screen, counted from 0
+    /// The screen, counted from 0 as --list-displays lists them
     #[arg(long, value_name = "N")]
     display: Option<usize>,
-    /// Fill the screen
+    /// List the screens of this machine, and end
+    #[arg(long, exclusive = true)]
+    list_displays: bool,
+    /// Fill the screen: only then is the image true to scale
     #[arg(long)]
     fullscreen: bool,
     /// Pixels of the window, which is the display, instead of the scene's
@@ -52,13 +57,13 @@ pub struct Arguments {
     /// Follow the viewer: opentrack:PORT (UDP over network) or osc:PORT (/midair/viewpoint x y z, mm)
     #[arg(long, value_name = "WHO:PORT")]
     track: Option<Track>,
-    /// Where the tracker stands in the scene, mm
-    #[arg(long, value_name = "X,Y,Z", default_value = "0,0,0", allow_hyphen_values = true)]
-    tracker_position: Point,
-    /// How it is turned, degrees (Rx*Ry*Rz)
-    #[arg(long, value_name = "X,Y,Z", default_value = "0,0,0", allow_hyphen_values = true)]
-    tracker_rotation: Point,
-    /// Do not smooth the tracker's readings
+    /// Where the tracker stands in the scene, mm [default: as the scene's [tracker] says, else 0,0,0]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    tracker_position: Option<Point>,
+    /// How it is turned, degrees (Rx*Ry*Rz) [default: as the scene's [tracker] says, else 0,0,0]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    tracker_rotation: Option<Point>,
+    /// Take the tracker's readings as they are, without smoothing
     #[arg(long)]
     no_smoothing: bool,
     /// Prediction in ms [default: the measured latency from packet to screen]
@@ -67,10 +72,10 @@ pub struct Arguments {
     /// Uniformity correction: divide by the gain; the level is that of the scene's own viewpoint
     #[arg(long, value_name = "MODE", value_enum, num_args = 0..=1, default_missing_value = "fit")]
     gain: Option<GainMode>,
-    /// Show figures: frames a second, the eye, latency
+    /// Show figures over the picture: frames a second, the eye, latency (the key O)
     #[arg(long)]
     overlay: bool,
-    /// File for the nudged scene [default: SCENE with -nudged in its name]
+    /// File for the nudged scene, which keeps the comments of the scene file [default: SCENE with -nudged in its name]
     #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
     /// Quit after this many seconds
@@ -123,29 +128,31 @@ impl FromStr for Track {
 const BENCH: Trial = Trial { packets: 300, rate: 60.0 };
 
 pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
-    let loaded = open_scene(&arguments.scene, arguments.size)?;
+    let Some(scene) = &arguments.scene else { return list_displays(voice) };
+    let loaded = open_scene(scene, arguments.size)?;
     let source = source(arguments)?;
-    let (Point(position), Point(rotation)) =
-        (arguments.tracker_position, arguments.tracker_rotation);
     let options = Options {
         source,
         size: arguments.size.map(|Size(size)| size),
         fullscreen: arguments.fullscreen,
         screen: arguments.display,
         renderer: arguments.renderer.into(),
-        tracker: arguments.track.map(|Track(protocol, port)| (protocol, port)),
-        calibration: Calibration::new(position, rotation),
-        smoothing: (!arguments.no_smoothing).then(OneEuro::default),
-        predict: arguments.predict.map(|ms| f64::from(ms) / 1e3),
-        gain: arguments.gain.map(GainMode::overflow),
-        overlay: arguments.overlay,
-        save_to: arguments.save.clone().unwrap_or_else(|| nudged(&arguments.scene)),
+        settings: Settings {
+            tracker: arguments.track.map(|Track(protocol, port)| (protocol, port)),
+            calibration: calibration(arguments, &loaded),
+            smoothing: (!arguments.no_smoothing).then(OneEuro::default),
+            predict: arguments.predict.map(|ms| f64::from(ms) / 1e3),
+            gain: arguments.gain.map(GainMode::overflow),
+            figures: arguments.overlay,
+        },
+        save_to: arguments.save.clone().unwrap_or_else(|| nudged(scene)),
         end_after: arguments.seconds.map(Duration::from_secs_f64),
         trial: arguments.bench.then_some(BENCH),
     };
     voice.note(&loaded.notes);
     let (name, size) = (loaded.scene.name.clone(), loaded.scene.display.resolution);
-    let Outcome { latency, saved, renderer } = show(loaded, options)?;
+    let outcome = show(loaded, options, &mut |note| voice.note(&[note.to_owned()]))?;
+    let Outcome { latency, saved, renderer, packets } = outcome;
     let mut lines =
         saved.iter().map(|path| format!("saved {}\n", path.display())).collect::<String>();
     if let Some(latency) = &latency {
@@ -161,6 +168,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         "size": size,
         "saved": paths(&saved),
         "renderer": renderer,
+        "packets": packets.map(|[readings, others]| json!({ "readings": readings, "others": others })),
         "latency_ms": latency.map(|l| json!({
             "sent": l.sent, "shown": l.shown, "median": l.median, "percentile_99": l.percentile_99, "max": l.max,
             "map_median": l.stages.solve, "draw_median": l.stages.draw, "present_median": l.stages.present,
@@ -182,6 +190,28 @@ fn told(name: &str, [width, height]: [usize; 2], renderer: &str, l: &Latency) ->
         l.stages.draw,
         l.stages.present
     )
+}
+
+/// Where the tracker stands: as the command line says, else as the scene does.
+fn calibration(arguments: &Arguments, loaded: &Loaded) -> Calibration {
+    let known = loaded.scene.tracker.unwrap_or_default();
+    let or = |given: Option<Point>, known: [f64; 3]| given.map_or(known, |Point(given)| given);
+    Calibration {
+        position: or(arguments.tracker_position, known.pose.position),
+        rotation: or(arguments.tracker_rotation, known.pose.rotation),
+        offset: Vec3::from_array(known.offset),
+    }
+}
+
+fn list_displays(voice: Voice) -> Result<(), Failure> {
+    let screens = screens()?;
+    let line = |(i, screen)| format!("{i}: {screen}\n");
+    let lines: String = screens.iter().enumerate().map(line).collect();
+    let report: Vec<_> = screens
+        .iter()
+        .map(|s| json!({ "name": s.name, "size": s.size, "position": s.position, "rate": s.rate }))
+        .collect();
+    voice.tell(&lines, &json!({ "displays": report }))
 }
 
 fn source(arguments: &Arguments) -> Result<SourceKind, Failure> {

@@ -274,6 +274,11 @@ fn the_window_shows_the_display_image_and_obeys_keys() {
         std::thread::sleep(Duration::from_millis(20));
     }
     assert_eq!(load(&saved).unwrap().scene.viewpoint, [30.0, 0.0, 800.0]);
+    // The user's file, with the changed number in its place.
+    let text = std::fs::read_to_string(&saved).unwrap();
+    let original = std::fs::read_to_string(stage.bench.path("ball.toml")).unwrap();
+    let differing = text.lines().zip(original.lines()).filter(|(new, old)| new != old);
+    assert_eq!((differing.count(), text.lines().count()), (1, original.lines().count()), "{text}");
     screen.key(&["Tab"]);
     for _ in 0..3 {
         screen.key(&["Up"]);
@@ -495,6 +500,65 @@ fn latency_is_measured_from_packet_to_screen() {
         number("median") <= number("percentile_99") && number("percentile_99") <= number("max"),
         "{told}"
     );
+}
+
+#[test]
+fn what_a_scene_would_refuse_is_refused_live_and_told() {
+    let Some(screen) = XScreen::open() else { return };
+    let stage = Stage::new();
+    let port = free_port();
+    let track = format!("opentrack:{port}");
+    let show = screen.play(&stage.bench, &["ball.toml", "p.png", "--track", &track, "--json"]);
+    let home = stage.shown_to(0.0, 0.0, 800.0);
+    screen.await_picture("at rest", &home, TOLERANCE);
+    let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+    // In the ball, and packets that are no readings.
+    socket.send_to(&opentrack([1.0, 2.0, 3.0]), ("127.0.0.1", port)).unwrap();
+    socket.send_to(&[0; 24], ("127.0.0.1", port)).unwrap();
+    // Words over the upper rows; below them the last map's picture.
+    let told = screen.await_change(&home);
+    let below = 3 * SIDE * SIDE / 2..;
+    let worst = told[below.clone()].iter().zip(&home[below]).map(|(a, b)| a.abs_diff(*b)).max();
+    assert!(worst.unwrap() <= TOLERANCE, "off by {worst:?}");
+    screen.focus();
+    screen.key(&["Escape"]);
+    let output = show.wait_with_output().unwrap();
+    assert!(output.status.success());
+    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(told["packets"]["readings"], 1, "{told}");
+    assert_eq!(told["packets"]["others"], 1, "{told}");
+}
+
+#[test]
+fn the_terminal_has_what_matters_and_nothing_else() {
+    let Some(screen) = XScreen::open() else { return };
+    let stage = Stage::new();
+    let port = free_port();
+    let track = format!("osc:{port}");
+    let mut command =
+        screen.command(&stage.bench, &["ball.toml", "p.png", "--track", &track, "--for", "4"]);
+    // What drivers' libraries complain of.
+    let output = command.env_remove("XDG_RUNTIME_DIR").output().unwrap();
+    assert!(output.status.success());
+    let said = String::from_utf8_lossy(&output.stderr);
+    let lines: Vec<&str> = said.lines().collect();
+    assert_eq!(lines.len(), 2, "{said}");
+    assert!(lines[0].contains("not to scale") && lines[0].contains("--fullscreen"), "{said}");
+    assert!(lines[1].contains("nothing comes from a tracker"), "{said}");
+}
+
+#[test]
+fn screens_are_listed_by_their_numbers() {
+    let Some(screen) = XScreen::open() else { return };
+    let stage = Stage::new();
+    let output = screen.command(&stage.bench, &["--list-displays", "--json"]).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(told["displays"][0]["size"], serde_json::json!([400, 300]), "{told}");
+    let wrong = ["ball.toml", "p.png", "--display", "7"];
+    let output = screen.command(&stage.bench, &wrong).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("no screen 7") && said.contains("400 x 300"), "{said}");
 }
 
 #[test]

@@ -3,35 +3,28 @@
 mod graphics;
 mod processor;
 
+use crate::letters::Letters;
 use crate::options::{PlayError, Renderer};
-use crate::solver::Solved;
 use graphics::Graphics;
-use midair::picture::{Drive, LightFrame};
+use midair_live::{Clock, Picture};
 use processor::Processor;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::Duration;
 use winit::window::Window;
-
-/// What is to be shown.
-pub(crate) struct Picture<'a> {
-    pub map: &'a Solved,
-    /// The frame's light, and the display's codes for it.
-    pub light: &'a LightFrame,
-    /// Tells this light, and the codes that go with it, from others.
-    pub light_number: u64,
-    pub drive: &'a Drive,
-    /// Text over it.
-    pub lines: &'a [String],
-}
 
 /// Who makes the picture of a window.
 pub(crate) trait Presenter {
-    /// Warps the frame and shows it in the window, of `size` pixels. Returns when the picture was ready to be handed over; `None` if
-    /// the window takes none just now.
+    /// Warps the frame and shows it in the window. The clock's reading when the picture was ready to be handed over; `None` if the window
+    /// takes none just now.
     ///
     /// # Errors
     /// Why this presenter will not work any more.
-    fn show(&mut self, size: [u32; 2], picture: &Picture) -> Result<Option<Instant>, String>;
+    fn show(
+        &mut self,
+        picture: &Picture<'_>,
+        letters: &Letters,
+        clock: Clock,
+    ) -> Result<Option<Duration>, String>;
 
     /// What makes the picture, for people.
     fn name(&self) -> &str;
@@ -46,7 +39,7 @@ pub(crate) fn open(
         Renderer::Cpu => processor(window),
         Renderer::Gpu => match Graphics::open(window, true) {
             Ok(graphics) => Ok(Box::new(graphics)),
-            Err(why) => Err(PlayError::Graphics(why)),
+            Err(why) => Err(PlayError::Graphics(why.to_string())),
         },
         // A device that is the processor in disguise would only be a slower way to the same picture.
         Renderer::Auto => match Graphics::open(window, false) {

@@ -3,7 +3,8 @@
 //! The formulas are those of the database's description (M. N. Polyanskiy, Scientific Data 11, 94 (2024)), wavelengths in micrometres.
 
 use super::table::interpolate;
-use saphyr_parser::{Event, Parser};
+use saphyr::{MarkedYaml, ScalarStyle, ScanError, YamlData, YamlLoader};
+use saphyr_parser::{Event, Parser, SpannedEventReceiver as _};
 use std::path::{Path, PathBuf};
 
 /// What a file says of a glass.
@@ -350,78 +351,72 @@ fn numbers(text: &str) -> Result<Vec<f64>, String> {
     text.split_whitespace().map(number).collect()
 }
 
-/// The entries of the top level's list DATA. All else is passed over, however deep.
+/// The entries of the top level's list DATA.
 fn entries(yaml: &str) -> Result<Vec<Entry>, Fault> {
-    let mut entries: Vec<Entry> = Vec::new();
-    // Collections that are open; whether the next scalar of a mapping is a key; the top level's key; an entry's key.
-    let mut open: Vec<bool> = Vec::new();
-    let (mut is_key, mut within, mut key) = (true, false, None::<String>);
-    let mut data_line = None;
+    let root = tree(yaml)?;
+    let keys = root.as_ref().and_then(|root| root.data.as_mapping());
+    let data = keys.and_then(|keys| keys.iter().find(|(key, _)| scalar(key) == Some("DATA")));
+    let Some((_, data)) = data else {
+        let problem = "there is no DATA; a glass file is YAML as refractiveindex.info has it, with a list DATA";
+        return Err((1, problem.to_owned()));
+    };
+    let no_list = || {
+        let problem = "DATA must be a list of entries, each with a `type`";
+        (data.span.start.line(), problem.to_owned())
+    };
+    let list = data.data.as_sequence().filter(|list| !list.is_empty()).ok_or_else(no_list)?;
+    list.iter().map(|node| entry(yaml, node).ok_or_else(no_list)).collect()
+}
+
+/// A scalar as it is written.
+fn scalar<'a>(node: &'a MarkedYaml<'_>) -> Option<&'a str> {
+    match &node.data {
+        YamlData::Representation(text, ..) => Some(text),
+        _ => None,
+    }
+}
+
+/// An entry's texts; what is no text is passed over. `None` if it is no mapping.
+fn entry(yaml: &str, node: &MarkedYaml<'_>) -> Option<Entry> {
+    let text = |(key, node): (&MarkedYaml<'_>, &MarkedYaml<'_>)| {
+        let (key, value) = (scalar(key)?.to_owned(), scalar(node)?.to_owned());
+        let line = node.span.start.line();
+        // A block begins on the line after its mark.
+        let block = matches!(node.data, YamlData::Representation(_, ScalarStyle::Literal, _));
+        let line = line + usize::from(block && at_mark(yaml, line));
+        Some(Text { key, value, line })
+    };
+    let texts = node.data.as_mapping()?.iter().filter_map(text).collect();
+    Some(Entry { line: node.span.start.line(), texts })
+}
+
+/// Nodes within nodes: a glass file has three levels, and a tree that is as deep as a hostile file exhausts the stack.
+const DEEPEST: usize = 32;
+
+/// The first document, each scalar as it is written; `None` if there is none.
+fn tree(yaml: &str) -> Result<Option<MarkedYaml<'_>>, Fault> {
+    let fault =
+        |error: ScanError| (error.marker().line(), format!("this is no YAML: {}", error.info()));
+    let mut loader = YamlLoader::<MarkedYaml<'_>>::default();
+    loader.early_parse(false);
+    let mut depth = 0;
     for event in Parser::new_from_str(yaml) {
-        let (event, span) = event.map_err(|error| {
-            (error.marker().line(), format!("this is no YAML: {}", error.info()))
-        })?;
-        let line = span.start.line();
-        let depth = open.len();
+        let (event, span) = event.map_err(fault)?;
         match event {
-            Event::Scalar(text, style, ..) => match (depth, open.last()) {
-                (1, Some(true)) if is_key => {
-                    within = text == "DATA";
-                    if within {
-                        data_line = Some(line);
-                    }
-                    is_key = false;
-                }
-                (1, Some(true)) => is_key = true,
-                (3, Some(true)) if within => {
-                    let entry = entries.last_mut();
-                    match (key.take(), entry) {
-                        (Some(key), Some(entry)) => {
-                            // A block begins on the line after its mark.
-                            let block = style == saphyr_parser::ScalarStyle::Literal;
-                            let line = line + usize::from(block && at_mark(yaml, line));
-                            let value = text.into_owned();
-                            entry.texts.push(Text { key, value, line });
-                        }
-                        _ => key = Some(text.into_owned()),
-                    }
-                }
-                _ => {}
-            },
-            Event::SequenceStart(..) | Event::MappingStart(..) => {
-                let mapping = matches!(event, Event::MappingStart(..));
-                if within && depth == 2 && mapping {
-                    entries.push(Entry { line, texts: Vec::new() });
-                    key = None;
-                }
-                open.push(mapping);
-            }
-            Event::SequenceEnd | Event::MappingEnd => {
-                open.pop();
-                match open.len() {
-                    1 => is_key = true,
-                    // A collection was the value of an entry's key.
-                    3 => key = None,
-                    _ => {}
-                }
-            }
-            Event::Alias(..) => match depth {
-                1 => is_key = !is_key,
-                3 => key = None,
-                _ => {}
-            },
+            Event::SequenceStart(..) | Event::MappingStart(..) => depth += 1,
+            Event::SequenceEnd | Event::MappingEnd => depth -= 1,
             _ => {}
         }
-    }
-    match (entries.is_empty(), data_line) {
-        (false, _) => Ok(entries),
-        (true, Some(line)) => {
-            Err((line, "DATA must be a list of entries, each with a `type`".to_owned()))
+        if depth > DEEPEST {
+            let problem =
+                format!("lists within lists, more than {DEEPEST} deep; this is no glass file");
+            return Err((span.start.line(), problem));
         }
-        (true, None) => Err((
-            1,
-            "there is no DATA; a glass file is YAML as refractiveindex.info has it, with a list DATA".to_owned(),
-        )),
+        loader.on_event(event, span);
+    }
+    match loader.error() {
+        Some(error) => Err(fault(error.clone())),
+        None => Ok(loader.into_documents().into_iter().next()),
     }
 }
 

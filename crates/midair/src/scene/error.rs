@@ -81,9 +81,20 @@ impl SceneText {
         self.text.name()
     }
 
+    /// The text itself.
+    pub(super) fn text(&self) -> &str {
+        self.text.inner()
+    }
+
     /// Whether the file itself has this key, such as `plate.rotation`.
     pub fn has(&self, key: &str) -> bool {
         self.spans.contains_key(key)
+    }
+
+    /// The key that a range of bytes belongs to: the innermost one around it.
+    pub(super) fn key_at(&self, span: &Range<usize>) -> Option<&str> {
+        let around = self.spans.iter().filter(|(_, s)| s.start <= span.start && span.end <= s.end);
+        around.min_by_key(|(_, s)| s.len()).map(|(key, _)| &key[..])
     }
 
     /// An error at a key such as `plate.rotation` or `element[0].shape.radius`; at the nearest

@@ -59,7 +59,7 @@ pub(super) enum Kind {
 /// Bounds of a size in mm: a nanometre to a kilometre. Beyond them lies a mistyped unit, and
 /// arithmetic that runs out of digits.
 const SMALLEST: f64 = 1e-6;
-const LARGEST: f64 = 1e6;
+pub(super) const LARGEST: f64 = 1e6;
 const SIZE: Kind = Kind::Number(SMALLEST, LARGEST);
 /// Bound of an index of refraction: vacuum to beyond germanium.
 const INDEX: (f64, f64) = (1.0, 5.0);
@@ -171,6 +171,29 @@ pub(super) static SCENE: Block = block(
             None,
             Need::Optional,
             "The distortive objects, in any order.",
+        ),
+        optional(
+            "tracker",
+            Kind::Block(&TRACKER),
+            None,
+            Need::Optional,
+            "What tells the live show where the viewer is.",
+        ),
+    ],
+);
+
+static TRACKER: Block = block(
+    "the tracker",
+    "A head tracker, for `midair play --track`: where its own frame stands in the scene.",
+    &[
+        POSITION,
+        ROTATION,
+        optional(
+            "offset",
+            Kind::Numbers(3, -LARGEST, LARGEST),
+            Some("mm"),
+            Need::Numbers(&[0.0, 0.0, 0.0]),
+            "From the point that it tracks to the eye, along the scene's axes.",
         ),
     ],
 );

@@ -82,9 +82,7 @@ pub fn load(path: &Path) -> Result<Loaded, SceneError> {
             ));
         }
     };
-    let json = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
-    let format = if json { Format::Json } else { Format::Toml };
-    let (scene, text) = parse_with_places(&text, &name, format)?;
+    let (scene, text) = parse_with_places(&text, &name, Format::of_name(&name))?;
     let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
     with_files(scene, text, folder)
 }
@@ -206,40 +204,54 @@ fn glasses(
                 "give a YAML file of the refractiveindex.info database, or glass = \"N-BK7\"";
             wrong(e.to_string(), help)
         })?;
-        // The display's wavelengths are in nm.
-        let colours = scene.display.wavelengths.map(|nm| nm / 1000.0);
-        let told = |[low, high]: [f64; 2]| format!("from {low} to {high} micrometres");
-        for wavelength in colours.into_iter().chain([DESIGN_WAVELENGTH]) {
-            let n = glass.index(wavelength);
-            if n.is_nan() {
-                let message = format!(
-                    "{}: no index at {wavelength} micrometres; the file has it {}",
-                    file.display(),
-                    told(glass.range())
-                );
-                let help = "take a file that covers the display's wavelengths and 0.58756, or change `wavelengths` in [display]";
-                return Err(wrong(message, help));
-            }
-            if !(1.0..=5.0).contains(&n) {
-                let message =
-                    format!("{}: the index at {wavelength} micrometres is {n:.3}", file.display());
-                let help = "a transparent material has one between 1 and 5; a metal is material = { mirror = true, reflectance = ... }";
-                return Err(wrong(message, help));
-            }
-        }
-        let unknown = colours.into_iter().find(|&colour| glass.absorption(colour).is_nan());
-        if let (Some(wavelength), None) = (unknown, absorption) {
-            let range = glass.absorption_range().unwrap_or_default();
-            let message = format!(
-                "{}: no k at {wavelength} micrometres; the file has it {}",
-                file.display(),
-                told(range)
-            );
-            return Err(wrong(message, "say absorption = ... in the scene, which then counts"));
-        }
+        glass_serves(&glass, file, scene.display.wavelengths, absorption.is_some())
+            .map_err(|(message, help)| wrong(message, help))?;
         glasses.push(Some(Arc::new(glass)));
     }
     Ok(glasses)
+}
+
+/// Whether a glass file knows what it is asked for at the display's wavelengths, nm; `absorbs` where the scene says the absorption itself.
+///
+/// # Errors
+/// What is wrong, and what helps.
+pub(super) fn glass_serves(
+    glass: &GlassFile,
+    file: &Path,
+    wavelengths: [f64; 3],
+    absorbs: bool,
+) -> Result<(), (String, &'static str)> {
+    let colours = wavelengths.map(|nm| nm / 1000.0);
+    let told = |[low, high]: [f64; 2]| format!("from {low} to {high} micrometres");
+    for wavelength in colours.into_iter().chain([DESIGN_WAVELENGTH]) {
+        let n = glass.index(wavelength);
+        if n.is_nan() {
+            let message = format!(
+                "{}: no index at {wavelength} micrometres; the file has it {}",
+                file.display(),
+                told(glass.range())
+            );
+            let help = "take a file that covers the display's wavelengths and 0.58756, or change `wavelengths` in [display]";
+            return Err((message, help));
+        }
+        if !(1.0..=5.0).contains(&n) {
+            let message =
+                format!("{}: the index at {wavelength} micrometres is {n:.3}", file.display());
+            let help = "a transparent material has one between 1 and 5; a metal is material = { mirror = true, reflectance = ... }";
+            return Err((message, help));
+        }
+    }
+    let unknown = colours.into_iter().find(|&colour| glass.absorption(colour).is_nan());
+    if let (Some(wavelength), false) = (unknown, absorbs) {
+        let range = glass.absorption_range().unwrap_or_default();
+        let message = format!(
+            "{}: no k at {wavelength} micrometres; the file has it {}",
+            file.display(),
+            told(range)
+        );
+        return Err((message, "say absorption = ... in the scene, which then counts"));
+    }
+    Ok(())
 }
 
 /// The display's response, with the file that it may name.

@@ -2,10 +2,12 @@
 //!
 //! A scene file is TOML, or JSON of the same shape. [`load`] reads one with the meshes and
 //! pictures it names, [`parse`] a text alone; both report what is wrong as a [`SceneError`] with
-//! the place in the file and a remedy. [`schema`] describes the format for editors, [`to_toml`]
-//! writes it.
+//! the place in the file and a remedy. [`schema`] describes the format for editors. [`to_toml`]
+//! writes a scene from nothing; [`SceneEdit`] changes values of a file that people have written. A scene that a program has changed passes
+//! [`validate`] before it is used.
 
 mod conform;
+mod edit;
 mod error;
 mod grammar;
 mod heights;
@@ -19,12 +21,15 @@ mod sense;
 #[cfg(test)]
 mod tests;
 mod tree;
+mod validate;
 
+pub use edit::{SceneEdit, Setting};
 pub use error::{SceneError, SceneText};
 pub use load::{Asset, Loaded, load, load_text, with_files};
 pub use save::to_toml;
 pub use schema::schema;
 pub use tree::Format;
+pub use validate::{validate, validate_viewpoint};
 
 use model::Scene;
 use tree::Value;

@@ -41,6 +41,17 @@ pub struct Scene {
     pub display: Display,
     /// The distortive objects, in the file's order.
     pub elements: Vec<Element>,
+    /// The head tracker of the live show.
+    pub tracker: Option<Tracker>,
+}
+
+/// A head tracker.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Tracker {
+    /// Where its own frame stands.
+    pub pose: Pose,
+    /// From the point that it tracks to the eye, along the scene's axes, mm.
+    pub offset: [f64; 3],
 }
 
 impl Scene {

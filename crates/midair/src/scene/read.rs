@@ -174,7 +174,15 @@ pub(super) fn scene(block: &Block, table: &[Entry], name: &str) -> Option<Scene>
         plate: plate(&fields.block("plate")?)?,
         display: display(&fields)?,
         elements,
+        tracker: match fields.given("tracker") {
+            Some(_) => Some(tracker(&fields.block("tracker")?)?),
+            None => None,
+        },
     })
+}
+
+fn tracker(fields: &Fields<'_>) -> Option<Tracker> {
+    Some(Tracker { pose: fields.pose()?, offset: fields.numbers("offset")? })
 }
 
 fn plate(fields: &Fields<'_>) -> Option<Plate> {

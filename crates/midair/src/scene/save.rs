@@ -65,6 +65,9 @@ fn write_scene(out: &mut String, scene: &Scene) -> std::fmt::Result {
     if let Some(bits) = scene.display.bits {
         writeln!(out, "bits = {bits}")?;
     }
+    if let Some(tracker) = &scene.tracker {
+        writeln!(out, "\n[tracker]\n{}\noffset = {:?}", pose_keys(&tracker.pose), tracker.offset)?;
+    }
     for element in &scene.elements {
         writeln!(out, "\n[[element]]\nname = {}", text(&element.name))?;
         writeln!(out, "shape = {{ {} }}", shape(&element.shape))?;

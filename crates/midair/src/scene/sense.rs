@@ -17,8 +17,23 @@ pub(super) fn faults(scene: &Scene, source: &SceneText, assets: &[Asset]) -> Vec
         let key = format!("element[{i}]");
         material(element, &key, source, &mut faults);
         shape(element, &key, source, assets.get(i), &mut faults);
-        let eye = element.pose.frame().to_local(Vec3::from_array(scene.viewpoint));
-        if contains(&element.shape, eye, assets.get(i)) {
+    }
+    display(source, &mut faults);
+    sides(scene, source, &mut faults);
+    faults.extend(viewpoint_faults(scene, Vec3::from_array(scene.viewpoint), source, assets));
+    faults
+}
+
+/// What makes no sense of an eye there: inside an element, or behind what it is to look at.
+pub(super) fn viewpoint_faults(
+    scene: &Scene,
+    eye: Vec3,
+    source: &SceneText,
+    assets: &[Asset],
+) -> Vec<SceneError> {
+    let mut faults = Vec::new();
+    for (i, element) in scene.elements.iter().enumerate() {
+        if contains(&element.shape, element.pose.frame().to_local(eye), assets.get(i)) {
             faults.push(source.error_at(
                 "viewpoint.position",
                 format!("the viewpoint lies inside the element `{}`", element.name),
@@ -26,9 +41,40 @@ pub(super) fn faults(scene: &Scene, source: &SceneText, assets: &[Asset]) -> Vec
             ));
         }
     }
-    display(source, &mut faults);
-    sides(scene, source, &mut faults);
+    let image = scene.image.pose.frame();
+    // NaN is on no side.
+    if !(image.normal().dot(eye - image.origin) > 0.0) {
+        let key =
+            if source.has("image.rotation") { "image.rotation" } else { "viewpoint.position" };
+        faults.push(source.error_at(
+            key,
+            "the image faces away from the viewpoint",
+            "its front is its local +z: turn the image, or move the viewpoint to that side",
+        ));
+    }
+    let plate = scene.plate.rectangle.pose.frame();
+    let behind = plate.normal().dot(eye - plate.origin) <= 0.0;
+    if behind && !has_mirrors(scene) && plate_faces_image(scene) {
+        faults.push(source.error_at(
+            "viewpoint.position",
+            "the viewpoint lies behind the plate, on the display's side",
+            "move the viewpoint to the side that the plate's local +z points to",
+        ));
+    }
     faults
+}
+
+fn has_mirrors(scene: &Scene) -> bool {
+    scene.elements.iter().any(|e| matches!(e.material, Material::Mirror { .. }))
+}
+
+/// Behind a mirror the plate forms the image's mirror image. Bent mirrors have no exact one, so a
+/// scene with mirrors is wrong only if the image itself is also on the wrong side.
+fn plate_faces_image(scene: &Scene) -> bool {
+    let plate = scene.plate.rectangle.pose.frame();
+    let before = |p: Vec3| plate.normal().dot(p - plate.origin) > 0.0;
+    before(scene.image.pose.frame().origin)
+        || has_mirrors(scene) && before(scene.virtual_image().origin)
 }
 
 fn plate_keys(scene: &Scene, source: &SceneText, faults: &mut Vec<SceneError>) {
@@ -230,31 +276,11 @@ fn display(source: &SceneText, faults: &mut Vec<SceneError>) {
     }
 }
 
-/// Who faces whom: the image the viewer, the plate the image, the display behind the plate.
+/// Who faces whom: the plate the image, the display behind the plate.
 fn sides(scene: &Scene, source: &SceneText, faults: &mut Vec<SceneError>) {
-    let viewpoint = Vec3::from_array(scene.viewpoint);
-    let image = scene.image.pose.frame();
-    if image.normal().dot(viewpoint - image.origin) <= 0.0 {
-        let key =
-            if source.has("image.rotation") { "image.rotation" } else { "viewpoint.position" };
-        faults.push(source.error_at(
-            key,
-            "the image faces away from the viewpoint",
-            "its front is its local +z: turn the image, or move the viewpoint to that side",
-        ));
-    }
-
     let plate = scene.plate.rectangle.pose.frame();
     let before_plate = |p: Vec3| plate.normal().dot(p - plate.origin);
-    let mirrors = scene.elements.iter().any(|e| matches!(e.material, Material::Mirror { .. }));
-    // Behind a mirror the plate forms the image's mirror image. Bent mirrors have no exact one,
-    // so a scene with mirrors is wrong only if the image itself is also on the wrong side.
-    let image_side = before_plate(image.origin).max(if mirrors {
-        before_plate(scene.virtual_image().origin)
-    } else {
-        f64::NEG_INFINITY
-    });
-    if image_side <= 0.0 {
+    if !plate_faces_image(scene) {
         let [x, y, z] = scene.plate.rectangle.pose.rotation;
         let turned = if y == 0.0 && z == 0.0 {
             let x = if x > 0.0 { x - 180.0 } else { x + 180.0 };
@@ -271,13 +297,6 @@ fn sides(scene: &Scene, source: &SceneText, faults: &mut Vec<SceneError>) {
             ),
         ));
         return;
-    }
-    if !mirrors && before_plate(viewpoint) <= 0.0 {
-        faults.push(source.error_at(
-            "viewpoint.position",
-            "the viewpoint lies behind the plate, on the display's side",
-            "move the viewpoint to the side that the plate's local +z points to",
-        ));
     }
     if let Some(pose) = scene.display.pose
         && before_plate(Vec3::from_array(pose.position)) >= 0.0

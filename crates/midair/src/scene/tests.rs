@@ -70,6 +70,7 @@ fn a_scene_reads_as_it_is_written() {
             material: Material::Refractive { index: Index::Constant(1.49), absorption: None },
             priority: None,
         }],
+        tracker: None,
     };
     assert_eq!(scene, expected);
 }
@@ -704,7 +705,7 @@ fn element_strategy() -> impl Strategy<Value = Element> {
         })
 }
 
-fn scene_strategy() -> impl Strategy<Value = Scene> {
+pub(super) fn scene_strategy() -> impl Strategy<Value = Scene> {
     let lengths = (numbers::<2>(1e-6..1e6), 0.0..1e3, 0.0..0.99);
     let slit = (lengths, -360.0..360.0, numbers::<3>(0.0..1.0), 1.0..5.0).prop_map(
         |(([pitch, layer_depth], cover_glass, share), azimuth, reflectance, ior)| {
@@ -744,9 +745,12 @@ fn scene_strategy() -> impl Strategy<Value = Scene> {
         rectangle_strategy(),
         (rectangle_strategy(), prop_oneof![Just(PlateModel::Ideal), slit]),
         display,
-        proptest::collection::vec(element_strategy(), 0..4),
+        (
+            proptest::collection::vec(element_strategy(), 0..4),
+            proptest::option::of((pose_strategy(), numbers::<3>(-1e6..1e6))),
+        ),
     )
-        .prop_map(|(top, image, (rectangle, model), display, elements)| Scene {
+        .prop_map(|(top, image, (rectangle, model), display, (elements, tracker))| Scene {
             name: top.0,
             max_interactions: top.1,
             follow_total_reflection: top.2,
@@ -755,5 +759,68 @@ fn scene_strategy() -> impl Strategy<Value = Scene> {
             plate: Plate { rectangle, model, luminance: Some("bench.csv".into()) },
             display,
             elements,
+            tracker: tracker.map(|(pose, offset)| Tracker { pose, offset }),
         })
+}
+
+/// A scene in memory, with nothing that a file would hold.
+fn loaded(text: &str) -> Loaded {
+    let (scene, places) = parse_with_places(text, "test.toml", Format::Toml).unwrap();
+    with_files(scene, places, PathBuf::new()).unwrap()
+}
+
+#[test]
+fn a_changed_scene_is_held_to_what_a_file_is_held_to() {
+    // Each change of the scene in memory, and the change of the text that says the same.
+    type Change = fn(&mut Scene);
+    let ball = |to: &str| with("radius = 25.0", to);
+    let cases: [(Change, String); 9] = [
+        (|s| s.viewpoint = [0.0, 0.0, 20.0], with("800.0]", "20.0]")),
+        (|s| s.viewpoint = [0.0, 0.0, -10.0], with("800.0]", "-10.0]")),
+        (|s| s.viewpoint[0] = 2e6, with("[0.0, 0.0, 800.0]", "[2e6, 0.0, 800.0]")),
+        (|s| s.viewpoint[1] = f64::NAN, with("[0.0, 0.0, 800.0]", "[0.0, nan, 800.0]")),
+        (
+            |s| s.plate.rectangle.pose.rotation[0] = 135.0,
+            with("[-45.0, 0.0, 0.0]", "[135.0, 0.0, 0.0]"),
+        ),
+        (|s| s.image.size[0] = -1.0, with("[20, 20.0]", "[-1.0, 20.0]")),
+        (|s| s.elements[0].shape = Shape::Sphere { radius: 0.0 }, ball("radius = 0.0")),
+        (|s| s.elements[0].shape = Shape::Sphere { radius: 900.0 }, ball("radius = 900.0")),
+        (
+            |s| {
+                s.elements[0].material =
+                    Material::Refractive { index: Index::Constant(9.0), absorption: None }
+            },
+            with("ior = 1.49", "ior = 9.0"),
+        ),
+    ];
+    let good = loaded(GOOD);
+    validate(&good).unwrap();
+    for (change, text) in cases {
+        let mut changed = good.clone();
+        change(&mut changed.scene);
+        let (told, expected) = (validate(&changed).unwrap_err(), toml(&text).unwrap_err());
+        assert_eq!((&told.message, &told.help), (&expected.message, &expected.help));
+        // The line in the file that the scene came from.
+        let line = |error: &SceneError| error.place.split(':').nth(1).map(str::to_owned);
+        assert_eq!(line(&told), line(&expected), "{}", told.place);
+    }
+}
+
+#[test]
+fn an_eye_may_be_where_a_file_may_say_it_is() {
+    let good = loaded(GOOD);
+    let mut counts = [0, 0];
+    // A grid over the set-up: before and behind the plate, the image and the ball, and in it.
+    for i in 0..11 * 11 * 11 {
+        let eye = [i % 11, i / 11 % 11, i / 121].map(|i| f64::from(i - 5) * 40.0 + 3.0);
+        let written = toml(&with("[0.0, 0.0, 800.0]", &format!("{eye:?}"))).map_err(|e| e.message);
+        let asked = validate_viewpoint(&good, Vec3::from_array(eye)).map_err(|e| e.message);
+        counts[usize::from(asked.is_ok())] += 1;
+        assert_eq!(asked, written.map(|_| ()), "{eye:?}");
+    }
+    assert!(counts.iter().all(|&count| count > 200), "{counts:?}");
+    for wrong in [f64::NAN, f64::INFINITY, 2e6] {
+        assert!(validate_viewpoint(&good, Vec3::new(0.0, wrong, 800.0)).is_err());
+    }
 }

@@ -15,6 +15,32 @@ pub enum Format {
     Json,
 }
 
+impl Format {
+    /// By a file's name: JSON if it ends in `.json`, else TOML.
+    pub fn of_name(name: &str) -> Self {
+        let extension = std::path::Path::new(name).extension();
+        if extension.is_some_and(|e| e.eq_ignore_ascii_case("json")) {
+            Self::Json
+        } else {
+            Self::Toml
+        }
+    }
+}
+
+/// JSON as RFC 8259 has it, without the liberties that its readers take.
+pub(super) const STRICT: jsonc_parser::ParseOptions = jsonc_parser::ParseOptions {
+    allow_comments: false,
+    allow_loose_object_property_names: false,
+    allow_trailing_commas: false,
+    allow_missing_commas: false,
+    allow_single_quoted_strings: false,
+    allow_hexadecimal_numbers: false,
+    allow_unary_plus_numbers: false,
+    allow_bare_decimal_point_numbers: false,
+    allow_non_finite_numbers: false,
+    allow_extended_string_escapes: false,
+};
+
 /// A value and the bytes it was read from.
 #[derive(Debug)]
 pub(super) struct Node {
@@ -169,21 +195,9 @@ fn toml_value(value: &DeValue<'_>) -> Value {
 }
 
 fn json(source: &SceneText, text: &str) -> Result<Node, SceneError> {
-    let strict = jsonc_parser::ParseOptions {
-        allow_comments: false,
-        allow_loose_object_property_names: false,
-        allow_trailing_commas: false,
-        allow_missing_commas: false,
-        allow_single_quoted_strings: false,
-        allow_hexadecimal_numbers: false,
-        allow_unary_plus_numbers: false,
-        allow_bare_decimal_point_numbers: false,
-        allow_non_finite_numbers: false,
-        allow_extended_string_escapes: false,
-    };
     let help = "scene files ending in .json are strict JSON: quoted keys, no comments, no \
                 trailing commas, no NaN";
-    let parsed = jsonc_parser::parse_to_ast(text, &Default::default(), &strict).map_err(|e| {
+    let parsed = jsonc_parser::parse_to_ast(text, &Default::default(), &STRICT).map_err(|e| {
         let range = e.range();
         source.error(Some(range.start..range.end), e.kind().to_string(), help)
     })?;

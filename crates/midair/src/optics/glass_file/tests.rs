@@ -145,6 +145,9 @@ fn errors_name_the_file_the_line_and_the_remedy() {
             "twice",
         ),
         ("DATA:\n  - {type: formula 1\n", 3, "no YAML"),
+        ("DATA:\n  - 7\n", 2, "list of entries"),
+        ("DATA:\n  - type: formula 1\n    type: formula 2\n", 3, "duplicated key"),
+        ("a: *b\n", 1, "no YAML"),
     ] {
         let message = parsed(text).unwrap_err().to_string();
         assert!(message.contains(part) && message.contains("glass.yml"), "{text:?}: {message}");
@@ -192,7 +195,14 @@ proptest! {
 
 #[test]
 fn deep_nesting_is_no_danger() {
-    for text in ["[".repeat(100_000), "- ".repeat(50_000), "a: {".repeat(50_000)] {
+    let brackets = "[".repeat(100_000);
+    // An alias brings its own depth with it: each line is as deep as the one before and some more.
+    let mut aliases = "a0: &a0 [[[[[[[[[[[[7]]]]]]]]]]]]\n".to_owned();
+    for i in 1..20_000 {
+        let (open, shut) = ("[".repeat(20), "]".repeat(20));
+        aliases += &format!("a{i}: &a{i} {open}*a{}{shut}\n", i - 1);
+    }
+    for text in [brackets, "- ".repeat(50_000), "a: {".repeat(50_000), aliases] {
         assert!(parsed(&text).is_err());
     }
 }

@@ -1,6 +1,7 @@
 //! What is shown: frames at their times.
 
-use crate::solver::Newest;
+use crate::clock::{Clock, Pace};
+use crate::newest::Newest;
 use midair::measure::lattice::{LatticeStyle, draw_lattice};
 use midair::picture::{FileError, Picture, Sequence, read_still, srgb};
 use midair_video::{Decoder, VideoError, probe};
@@ -8,7 +9,7 @@ use std::io::Read as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Where frames come from.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,12 +28,15 @@ pub enum SourceKind {
 
 /// A frame of bytes blue, green, red and one unused, rows from the top.
 #[derive(Clone, Debug)]
-pub(crate) struct Frame {
+pub struct Frame {
+    /// Columns and rows.
     pub size: [usize; 2],
+    /// Four for each pixel.
     pub bytes: Arc<Vec<u8>>,
 }
 
 impl Frame {
+    /// A picture's light as sRGB codes.
     pub fn of_picture(picture: &Picture) -> Self {
         let code = |pixel: &[f32; 4]| [pixel[2], pixel[1], pixel[0], 1.0].map(srgb::encode_8);
         let bytes = picture.pixels.iter().flat_map(code).collect();
@@ -54,22 +58,34 @@ impl Frame {
 
 /// Why a source has no frames.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum SourceError {
+pub enum SourceError {
+    /// A picture cannot be read.
     #[error(transparent)]
     File(#[from] FileError),
+    /// A film cannot be decoded.
     #[error(transparent)]
     Film(#[from] VideoError),
+    /// Standard input broke.
     #[error("standard input: {0}")]
     Stdin(std::io::Error),
 }
 
 /// Hands frames over until `gone`; each is announced by `ready`.
-pub(crate) struct Player {
+pub struct Player {
+    /// Where they are put.
     pub frames: Arc<Newest<Frame>>,
+    /// Whether the show stands still.
     pub paused: Arc<AtomicBool>,
+    /// Called after each frame.
     pub ready: Box<dyn Fn() + Send>,
+    /// Whether the show has ended.
     pub gone: Arc<AtomicBool>,
+    /// The show's.
+    pub clock: Clock,
 }
+
+/// How soon a pause or the end of the show is seen to.
+const NAP: Duration = Duration::from_millis(5);
 
 impl Player {
     fn show(&self, frame: Frame) -> bool {
@@ -78,27 +94,22 @@ impl Player {
         !self.gone.load(Ordering::Relaxed)
     }
 
-    /// Waits until a moment of the show, which stands still in a pause; false at the end of the show.
-    fn wait(&self, start: &mut Instant, at: f64) -> bool {
-        loop {
-            if self.gone.load(Ordering::Relaxed) {
-                return false;
+    /// Waits until a moment of the film; false at the end of the show.
+    fn wait(&self, pace: &mut Pace, at: f64) -> bool {
+        while !self.gone.load(Ordering::Relaxed) {
+            let left = pace.left(self.clock.now(), self.paused.load(Ordering::Relaxed), at);
+            match left {
+                Some(Duration::ZERO) => return true,
+                left => std::thread::sleep(NAP.min(left.unwrap_or(NAP))),
             }
-            let nap = Duration::from_millis(5);
-            if self.paused.load(Ordering::Relaxed) {
-                std::thread::sleep(nap);
-                *start += nap;
-                continue;
-            }
-            let left = at - start.elapsed().as_secs_f64();
-            if left <= 0.0 {
-                return true;
-            }
-            std::thread::sleep(nap.min(Duration::from_secs_f64(left)));
         }
+        false
     }
 
     /// Plays a source to its end, which only standard input has.
+    ///
+    /// # Errors
+    /// [`SourceError`] where frames cannot be had.
     pub fn play(&self, kind: &SourceKind, image: [f64; 2]) -> Result<(), SourceError> {
         match kind {
             SourceKind::Still(path) => {
@@ -111,10 +122,10 @@ impl Player {
             }
             SourceKind::Stills(sequence, rate) => {
                 let numbers = sequence.numbers()?;
-                let mut start = Instant::now();
+                let mut pace = Pace::start(self.clock.now());
                 for (i, number) in numbers.iter().cycle().enumerate() {
                     let frame = Frame::of_picture(&read_still(&sequence.file(*number))?.picture);
-                    if !self.wait(&mut start, i as f64 / rate) || !self.show(frame) {
+                    if !self.wait(&mut pace, i as f64 / rate) || !self.show(frame) {
                         break;
                     }
                 }
@@ -142,11 +153,12 @@ impl Player {
         let film = probe(path)?;
         loop {
             let mut decoder = Decoder::new(&film, false)?;
-            let (mut start, mut bytes, mut count) = (Instant::now(), Vec::new(), 0);
+            let mut pace = Pace::start(self.clock.now());
+            let (mut bytes, mut count) = (Vec::new(), 0);
             while let Some(timing) = decoder.next(&mut bytes)? {
                 count += 1;
                 let frame = Frame::of_rgb::<3>(decoder.size(), &bytes);
-                if !self.wait(&mut start, timing.seconds()) || !self.show(frame) {
+                if !self.wait(&mut pace, timing.seconds()) || !self.show(frame) {
                     return Ok(());
                 }
             }

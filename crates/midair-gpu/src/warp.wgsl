@@ -1,4 +1,4 @@
-// The warp of midair::media::Warp, in the same integers: what it computes is the processor's, code by code.
+// The warp of midair::picture::Warp, in the same integers: what it computes is the processor's, code by code.
 
 override WEIGHT_BITS: u32;
 override DROP: u32;

@@ -5,7 +5,7 @@ use midair::picture::{FrameEvening, LightFrame, WarpError};
 use std::sync::Arc;
 
 /// The light of the last frame that was drawn.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub(crate) struct Lit {
     light: LightFrame,
     /// Of which frame, and with which gain divided out.
@@ -17,6 +17,11 @@ pub(crate) struct Lit {
 }
 
 impl Lit {
+    /// The light of the frame that was decoded last, and its number.
+    pub fn last(&self) -> (&LightFrame, u64) {
+        (&self.light, self.number)
+    }
+
     /// The light of a frame, its gain divided out if there is one; and its number, which tells it from all others.
     ///
     /// # Errors

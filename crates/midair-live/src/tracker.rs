@@ -1,8 +1,10 @@
 //! Where the viewer is, by UDP.
 
+use crate::clock::Clock;
 use midair::geometry::{Frame, Vec3};
+use rosc::{OscPacket, OscType};
 use std::net::{Ipv4Addr, UdpSocket};
-use std::time::Instant;
+use std::time::Duration;
 
 /// Who tells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +24,13 @@ pub struct Reading {
     pub angles: [f64; 3],
 }
 
+impl Reading {
+    /// The number of a trial's packet, which stands in the place of the yaw.
+    pub(crate) fn number(&self) -> u64 {
+        self.angles[0].max(0.0) as u64
+    }
+}
+
 /// Six little-endian doubles; `None` for a packet of another length, or of numbers that are not finite.
 pub fn parse_opentrack(packet: &[u8]) -> Option<Reading> {
     let (numbers, rest) = packet.as_chunks::<8>();
@@ -35,48 +44,26 @@ pub fn parse_opentrack(packet: &[u8]) -> Option<Reading> {
 
 /// The last `/midair/viewpoint` of an OSC packet; `None` if it has none, or none that makes sense.
 pub fn parse_osc(packet: &[u8]) -> Option<Reading> {
-    parse_osc_within(packet, 8)
+    viewpoint_of(&rosc::decoder::decode_udp(packet).ok()?.1)
 }
 
-fn parse_osc_within(packet: &[u8], depth: usize) -> Option<Reading> {
-    let Some(elements) = packet.strip_prefix(b"#bundle\0") else { return parse_message(packet) };
-    // A time tag, then elements, each after its size.
-    let mut rest = elements.get(8..)?;
-    let mut last = None;
-    while depth > 0 && rest.len() >= 4 {
-        let (size, after) = rest.split_first_chunk::<4>()?;
-        let element = after.get(..u32::from_be_bytes(*size) as usize)?;
-        last = parse_osc_within(element, depth - 1).or(last);
-        rest = &after[element.len()..];
-    }
-    last
-}
-
-/// A string that is filled with zeros to a multiple of four, and what follows.
-fn osc_string(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
-    let end = bytes.iter().position(|&byte| byte == 0)?;
-    Some((&bytes[..end], bytes.get((end / 4 + 1) * 4..)?))
-}
-
-fn parse_message(packet: &[u8]) -> Option<Reading> {
-    let (address, rest) = osc_string(packet)?;
-    let (types, mut rest) = osc_string(rest)?;
-    if address != b"/midair/viewpoint" || types.first() != Some(&b',') || types.len() < 4 {
+fn viewpoint_of(packet: &OscPacket) -> Option<Reading> {
+    let message = match packet {
+        OscPacket::Message(message) => message,
+        OscPacket::Bundle(bundle) => return bundle.content.iter().rev().find_map(viewpoint_of),
+    };
+    if message.addr != "/midair/viewpoint" {
         return None;
     }
-    let mut numbers = [0.0; 3];
-    for (number, kind) in numbers.iter_mut().zip(&types[1..]) {
-        let size = if *kind == b'd' { 8 } else { 4 };
-        let bytes = rest.get(..size)?;
-        rest = &rest[size..];
-        *number = match kind {
-            b'f' => f64::from(f32::from_be_bytes(*bytes.first_chunk()?)),
-            b'i' => f64::from(i32::from_be_bytes(*bytes.first_chunk()?)),
-            b'd' => f64::from_be_bytes(*bytes.first_chunk()?),
-            _ => return None,
-        };
-    }
-    sensible(Reading { position: Vec3::from_array(numbers), angles: [0.0; 3] })
+    let number = |argument: &OscType| match *argument {
+        OscType::Float(number) => Some(f64::from(number)),
+        OscType::Double(number) => Some(number),
+        OscType::Int(number) => Some(f64::from(number)),
+        _ => None,
+    };
+    let [x, y, z] = message.args.first_chunk()?;
+    let position = Vec3::new(number(x)?, number(y)?, number(z)?);
+    sensible(Reading { position, angles: [0.0; 3] })
 }
 
 /// As far away as a scene may reach.
@@ -89,23 +76,24 @@ fn sensible(reading: Reading) -> Option<Reading> {
 /// From the tracker's frame to the scene's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Calibration {
-    /// Where the tracker stands and how it is turned.
-    pub frame: Frame,
-    /// From the point that it tracks to the eye, in the scene's frame.
+    /// Where the tracker stands in the scene, mm.
+    pub position: [f64; 3],
+    /// How it is turned, degrees (Rx Ry Rz).
+    pub rotation: [f64; 3],
+    /// From the point that it tracks to the eye, along the scene's axes, mm.
     pub offset: Vec3,
 }
 
 impl Calibration {
     /// The tracker's place in the scene: mm, and degrees (Rx Ry Rz).
     pub fn new(position: [f64; 3], rotation: [f64; 3]) -> Self {
-        Self { frame: Frame::new(Vec3::from_array(position), rotation), offset: Vec3::ZERO }
+        Self { position, rotation, offset: Vec3::ZERO }
     }
 
     /// The viewpoint that a reading stands for.
     pub fn viewpoint(&self, reading: &Reading) -> Vec3 {
-        let [x, y, z] = self.frame.axes;
-        let p = reading.position;
-        self.frame.origin + x * p.x + y * p.y + z * p.z + self.offset
+        let frame = Frame::new(Vec3::from_array(self.position), self.rotation);
+        frame.to_world(reading.position) + self.offset
     }
 
     /// The calibration under which this reading is that viewpoint, with the tracker turned as before.
@@ -114,24 +102,102 @@ impl Calibration {
     }
 }
 
-/// Listens on a port and hands each reading over with the time at which it came; packets of another kind are passed over. Ends when
-/// `hear` says no.
-pub(crate) fn listen(
+/// A packet of the tracker.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Heard {
+    /// One that tells where the viewer is.
+    Reading(Reading),
+    /// One that does not, of so many bytes.
+    Other(usize),
+}
+
+/// What has come from a tracker; it tells when nothing of use does.
+#[derive(Clone, Debug)]
+pub(crate) struct Reception {
     protocol: Protocol,
     port: u16,
-    mut hear: impl FnMut(Reading, Instant) -> bool + Send + 'static,
+    /// Readings, and other packets.
+    counts: [u64; 2],
+    /// Bytes of the last packet that was no reading.
+    bytes: usize,
+    /// Since when there was none but such.
+    waiting: Option<Duration>,
+    told: bool,
+}
+
+/// So long nothing of use may come before it is told.
+const USELESS: Duration = Duration::from_secs(3);
+
+impl Reception {
+    /// Of a show that begins.
+    pub fn new(protocol: Protocol, port: u16) -> Self {
+        let waiting = Some(Duration::ZERO);
+        Self { protocol, port, counts: [0; 2], bytes: 0, waiting, told: false }
+    }
+
+    /// Readings, and other packets.
+    pub fn packets(&self) -> [u64; 2] {
+        self.counts
+    }
+
+    pub fn count(&mut self, heard: &Heard, now: Duration) {
+        match *heard {
+            Heard::Reading(_) => {
+                self.counts[0] += 1;
+                (self.waiting, self.told) = (None, false);
+            }
+            Heard::Other(bytes) => {
+                self.counts[1] += 1;
+                self.bytes = bytes;
+                self.waiting.get_or_insert(now);
+            }
+        }
+    }
+
+    /// When it will be told that nothing of use comes.
+    pub fn complains_at(&self) -> Option<Duration> {
+        self.waiting.filter(|_| !self.told).map(|since| since + USELESS)
+    }
+
+    /// That nothing of use comes, once.
+    pub fn complaint(&mut self, now: Duration) -> Option<String> {
+        self.complains_at().filter(|&then| now >= then)?;
+        self.told = true;
+        let Self { port, counts: [_, others], bytes, .. } = self;
+        let awaited = match self.protocol {
+            Protocol::OpenTrack => "48 bytes from opentrack's output UDP over network",
+            Protocol::Osc => "OSC messages /midair/viewpoint x y z",
+        };
+        Some(match others {
+            0 => format!("nothing comes from a tracker on port {port}: awaited are {awaited}"),
+            _ => format!(
+                "no reading on port {port}: {others} packets came, the last of {bytes} bytes; awaited are {awaited}"
+            ),
+        })
+    }
+}
+
+/// Listens on a port and hands each packet over with the time at which it came. Ends when `hear` says no.
+///
+/// # Errors
+/// What the system says of a port that cannot be had.
+pub fn listen(
+    protocol: Protocol,
+    port: u16,
+    clock: Clock,
+    mut hear: impl FnMut(Heard, Duration) -> bool + Send + 'static,
 ) -> std::io::Result<u16> {
     let socket = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, port))?;
     let port = socket.local_addr()?.port();
     std::thread::spawn(move || {
         let mut packet = [0; 4096];
         while let Ok((length, _)) = socket.recv_from(&mut packet) {
-            let now = Instant::now();
+            let now = clock.now();
             let reading = match protocol {
                 Protocol::OpenTrack => parse_opentrack(&packet[..length]),
                 Protocol::Osc => parse_osc(&packet[..length]),
             };
-            if reading.is_some_and(|reading| !hear(reading, now)) {
+            if !hear(reading.map_or(Heard::Other(length), Heard::Reading), now) {
                 return;
             }
         }
@@ -184,6 +250,15 @@ mod tests {
             bundle.extend(element);
         }
         assert_eq!(parse_osc(&bundle).unwrap().position, wanted);
+        // Bundles within bundles, as many as a packet holds.
+        let mut nested = plain.clone();
+        while nested.len() + 20 <= 4096 {
+            let mut outer = b"#bundle\0\0\0\0\0\0\0\0\x01".to_vec();
+            outer.extend((nested.len() as u32).to_be_bytes());
+            outer.extend(nested);
+            nested = outer;
+        }
+        assert_eq!(parse_osc(&nested).unwrap().position, wanted);
         // Cut anywhere, it is passed over and nothing breaks.
         for end in 0..plain.len() {
             assert!(parse_osc(&plain[..end]).is_none());
@@ -209,16 +284,44 @@ mod tests {
     }
 
     #[test]
+    fn that_nothing_of_use_comes_is_told_once() {
+        let s = Duration::from_secs_f64;
+        let reading = Heard::Reading(Reading { position: Vec3::ZERO, angles: [0.0; 3] });
+        let mut silent = Reception::new(Protocol::Osc, 9000);
+        assert_eq!(silent.complaint(s(2.9)), None);
+        assert!(silent.complaint(s(3.0)).unwrap().contains("nothing comes"));
+        assert_eq!(silent.complaint(s(4.0)), None);
+        let mut reception = Reception::new(Protocol::OpenTrack, 4242);
+        reception.count(&reading, s(1.0));
+        assert_eq!(reception.complaint(s(60.0)), None);
+        (0..50).for_each(|i| reception.count(&Heard::Other(24), s(60.0 + 0.1 * f64::from(i))));
+        assert_eq!(reception.complaint(s(62.9)), None);
+        let told = reception.complaint(s(63.0)).unwrap();
+        for part in ["port 4242", "50 packets", "24 bytes", "48 bytes"] {
+            assert!(told.contains(part), "{told}");
+        }
+        assert_eq!(reception.packets(), [1, 50]);
+        // What was told is told again only after a reading.
+        reception.count(&Heard::Other(24), s(70.0));
+        assert_eq!(reception.complaint(s(80.0)), None);
+        reception.count(&reading, s(81.0));
+        reception.count(&Heard::Other(24), s(82.0));
+        assert!(reception.complaint(s(85.0)).is_some());
+    }
+
+    #[test]
     fn real_packets_arrive() {
         let (sender, heard) = std::sync::mpsc::channel();
-        let port =
-            listen(Protocol::OpenTrack, 0, move |reading, _| sender.send(reading).is_ok()).unwrap();
+        let hear = move |heard, _| sender.send(heard).is_ok();
+        let port = listen(Protocol::OpenTrack, 0, Clock::start(), hear).unwrap();
         let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+        let next = || heard.recv_timeout(Duration::from_secs(5)).unwrap();
         socket.send_to(b"nonsense", (Ipv4Addr::LOCALHOST, port)).unwrap();
+        assert_eq!(next(), Heard::Other(8));
         let packet: Vec<u8> =
             [1.0f64, 2.0, 3.0, 4.0, 5.0, 6.0].iter().flat_map(|n| n.to_le_bytes()).collect();
         socket.send_to(&packet, (Ipv4Addr::LOCALHOST, port)).unwrap();
-        let reading = heard.recv_timeout(std::time::Duration::from_secs(5)).unwrap();
+        let Heard::Reading(reading) = next() else { panic!("no reading") };
         assert_eq!(reading.position, Vec3::new(10.0, 20.0, 30.0));
     }
 }

@@ -1,11 +1,21 @@
 //! The warp on a graphics device: buffers, and the shader that reads them.
 
-use super::Device;
+use crate::device::Device;
 use midair::picture::{Drive, FixedPoint, LightFrame, NO_TAP, Warp};
 use wgpu::{BindingType, BufferBindingType, BufferUsages, ShaderStages};
 
-/// A pipeline and what it reads.
-pub(super) struct Warper {
+/// Text over a picture, at its upper left.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Letters<'a> {
+    /// Columns and rows, no more than the display's.
+    pub size: [usize; 2],
+    /// A word for each of its pixels, rows from the top: blue in the lowest byte, then green and red; 0 lets the picture through.
+    pub words: &'a [u32],
+}
+
+/// A pipeline and what it reads: the warp of `midair::picture::Warp` in the same integers.
+#[derive(Debug)]
+pub struct Warper {
     pipeline: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,
     /// In the order of their bindings: sizes, taps, frame, drive, letters.
@@ -24,8 +34,16 @@ const DRIVE: usize = 3;
 const LETTERS: usize = 4;
 
 impl Warper {
+    /// The form of pictures that are read back.
+    pub(crate) const OFF_SCREEN: wgpu::TextureFormat = wgpu::TextureFormat::Bgra8Unorm;
+
+    /// For an [`OffScreen`](crate::OffScreen) picture.
+    pub fn new(device: &Device) -> Self {
+        Self::for_format(device, Self::OFF_SCREEN)
+    }
+
     /// For surfaces or textures of this format.
-    pub fn new(device: &Device, format: wgpu::TextureFormat) -> Self {
+    pub(crate) fn for_format(device: &Device, format: wgpu::TextureFormat) -> Self {
         let source = wgpu::ShaderSource::Wgsl(include_str!("warp.wgsl").into());
         let shader = device
             .device
@@ -105,11 +123,21 @@ impl Warper {
         self.write(device, DRIVE, &codes);
     }
 
-    /// Takes the text at the upper left: words as frames have them, 0 where the picture is to be seen.
-    pub fn take_letters(&mut self, device: &Device, size: [usize; 2], words: &[u32]) {
-        self.sizes[2] = size.map(|side| side as u32);
-        if !words.is_empty() {
-            self.write(device, LETTERS, bytemuck::cast_slice(words));
+    /// Takes no map: a display of so many pixels is black.
+    pub fn take_black(&mut self, device: &Device, size: [usize; 2]) {
+        self.sizes[0] = size.map(|side| side as u32);
+        self.taps.clear();
+        self.taps.resize(size[0] * size[1], [NO_TAP, 0]);
+        let taps = std::mem::take(&mut self.taps);
+        self.write(device, TAPS, bytemuck::cast_slice(&taps));
+        self.taps = taps;
+    }
+
+    /// Takes the text that stands over pictures until another one does.
+    pub fn take_letters(&mut self, device: &Device, letters: Letters<'_>) {
+        self.sizes[2] = letters.size.map(|side| side as u32);
+        if !letters.words.is_empty() {
+            self.write(device, LETTERS, bytemuck::cast_slice(letters.words));
         }
     }
 
@@ -124,7 +152,7 @@ impl Warper {
     }
 
     /// Draws what was taken into a texture of the display's size. Nothing waits for it.
-    pub fn draw(&mut self, device: &Device, target: &wgpu::Texture) {
+    pub(crate) fn draw(&mut self, device: &Device, target: &wgpu::Texture) {
         let sizes = self.sizes;
         self.write(device, SIZES, bytemuck::cast_slice(&sizes));
         let group = self.group.get_or_insert_with(|| {

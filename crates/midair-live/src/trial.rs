@@ -1,8 +1,9 @@
 //! How long a new viewpoint takes from its packet to the screen, measured from end to end.
 
+use crate::clock::Clock;
 use std::net::{Ipv4Addr, UdpSocket};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// A trial with a synthetic tracker.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,10 +46,11 @@ pub struct Stages {
 
 /// When each packet left.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Departures(Arc<Mutex<Vec<Instant>>>);
+pub struct Departures(Arc<Mutex<Vec<Duration>>>);
 
 impl Departures {
-    pub fn of(&self, packet: u64) -> Option<Instant> {
+    /// When a packet left.
+    pub fn of(&self, packet: u64) -> Option<Duration> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).get(packet as usize).copied()
     }
 }
@@ -59,10 +61,14 @@ const SETTLING: Duration = Duration::from_millis(500);
 
 /// Sends the packets of a head that sways, half a second from now: real UDP packets in opentrack's form, their number in the place of
 /// the yaw. `done` is called a second after the last.
-pub(crate) fn send(
+///
+/// # Errors
+/// What the system says where packets cannot be sent.
+pub fn send(
     trial: Trial,
     port: u16,
     around: [f64; 3],
+    clock: Clock,
     done: impl FnOnce() + Send + 'static,
 ) -> std::io::Result<Departures> {
     let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0))?;
@@ -70,16 +76,16 @@ pub(crate) fn send(
     let log = departures.clone();
     std::thread::spawn(move || {
         std::thread::sleep(SETTLING);
-        let start = Instant::now();
+        let start = clock.now();
         for number in 0..trial.packets {
             let due = Duration::from_secs_f64(number as f64 / trial.rate);
-            std::thread::sleep(due.saturating_sub(start.elapsed()));
+            std::thread::sleep((start + due).saturating_sub(clock.now()));
             let t = number as f64 / trial.rate;
             let sway = [40.0 * (2.1 * t).sin(), 15.0 * (1.3 * t).sin(), 20.0 * (0.7 * t).sin()];
             let place: [f64; 3] = std::array::from_fn(|i| (around[i] + sway[i]) / 10.0);
             let numbers = [place[0], place[1], place[2], number as f64, 0.0, 0.0];
             let packet: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
-            log.0.lock().unwrap_or_else(PoisonError::into_inner).push(Instant::now());
+            log.0.lock().unwrap_or_else(PoisonError::into_inner).push(clock.now());
             // A packet that is lost is counted as never shown.
             let _ = socket.send_to(&packet, (Ipv4Addr::LOCALHOST, port));
         }
@@ -90,7 +96,7 @@ pub(crate) fn send(
 }
 
 /// The figures of a trial; `None` if nothing was shown.
-pub(crate) fn latency(sent: usize, shown: &[Stages]) -> Option<Latency> {
+pub fn latency(sent: usize, shown: &[Stages]) -> Option<Latency> {
     let at = |stage: fn(&Stages) -> f64, share: f64| {
         let mut sorted: Vec<f64> = shown.iter().map(stage).collect();
         sorted.sort_by(f64::total_cmp);
