@@ -10,8 +10,9 @@ use rayon::prelude::*;
 /// coordinates st.
 ///
 /// A point is `Ok` where it is formed, `Folded` where its display pixel serves other image points as well (which `map`,
-/// the set-up's G, knows), `Outside` where its path passes the display's edge, and `Blocked` where the path ends early. The
-/// error bound is 0: nothing is approximated.
+/// the set-up's G, knows), `Outside` where its path gets through and goes past the display (a larger display, or another place, would
+/// form it), and `Blocked` where something on the way ends it: the plate's edge or back, total internal reflection, too
+/// many interactions. The error bound is 0: nothing is approximated.
 pub fn forward(setup: &Setup, map: &Map, [width, height]: [usize; 2]) -> Map {
     let (uv, status) = (0..width * height)
         .into_par_iter()

@@ -3,7 +3,10 @@
 use super::tally::count_ray;
 use crate::transport::{End, Path, Setup};
 
-/// A half-open rectangle of image coordinates.
+/// Solutions this close to a cell count as its own: far more than what they err, far less than a pixel.
+const SEAM: f64 = 1e-9;
+
+/// A rectangle of image coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Cell {
     pub low: [f64; 2],
@@ -25,6 +28,21 @@ impl Cell {
             Self { low: [a, y], high: [x, d] },
             Self { low: [x, y], high: [c, d] },
         ]
+    }
+
+    /// The image points that the cell answers for, lower left and upper right: its own and those within `margin` of it, so that no
+    /// rounding leaves a seam between cells, but none beyond the image's edge.
+    pub fn claimed(&self, margin: f64) -> [[f64; 2]; 2] {
+        [
+            self.low.map(|c| if c > 0.0 { c - margin } else { c }),
+            self.high.map(|c| if c < 1.0 { c + margin } else { c }),
+        ]
+    }
+
+    /// Whether a solution belongs to the cell: see [`Cell::claimed`].
+    pub fn claims(&self, uv: [f64; 2]) -> bool {
+        let [low, high] = self.claimed(SEAM);
+        (0..2).all(|axis| uv[axis] >= low[axis] && uv[axis] <= high[axis])
     }
 
     /// Whether a point lies in the cell or within `margin` of it.
@@ -73,12 +91,14 @@ impl Sample {
         self.arrives().is_some_and(|(at, _)| (at[0] - st[0]).hypot(at[1] - st[1]) < 1e-9)
     }
 
-    /// Whether both lie on the same sheet.
+    /// Whether both lie on the same sheet. Light that does not arrive has its sheets, too: between two of them there may be
+    /// one that arrives.
     pub fn same_sheet(&self, other: &Self) -> bool {
-        match (self.arrives(), other.arrives()) {
-            (Some((_, a)), Some((_, b))) => a == b && self.path == other.path,
-            (None, None) => true,
+        let ends_alike = match (self.arrives(), other.arrives()) {
+            (Some((_, a)), Some((_, b))) => a == b,
+            (None, None) => self.end == other.end,
             _ => false,
-        }
+        };
+        ends_alike && self.path == other.path
     }
 }

@@ -2,7 +2,7 @@
 //! polynomial holds over more than a few pixels, and each pixel is solved by itself.
 
 use super::cell::{Cell, Sample};
-use super::fill::{SOLVED, clear, hide_blocked};
+use super::fill::{clear, hide_blocked};
 use super::newton::{apply_inverse, solve};
 use super::pixels::{Point, Raster, SAME};
 use super::row::{Row, enter, from_centre};
@@ -43,6 +43,7 @@ pub(super) fn solve_densely(setup: &Setup, raster: Raster, map: &mut Map) -> (us
 
     clear(&mut map.uv, &mut map.status);
     let (mut solved, mut rays) = (0, 0);
+    let mut errors = vec![0.0f32; map.uv.len()];
     for round in tiles.chunks(ROUND) {
         let known = Known { setup, raster, map };
         let solve = |&[first, bottom]: &[usize; 2]| {
@@ -72,11 +73,14 @@ pub(super) fn solve_densely(setup: &Setup, raster: Raster, map: &mut Map) -> (us
             for point in points {
                 let at = point.row as usize * raster.width + point.column as usize;
                 enter(&mut map.uv[at], &mut map.status[at], point.uv, point.blocked);
+                errors[at] = errors[at].max(point.error);
             }
         }
     }
     hide_blocked(Row { uv: &mut map.uv, status: &mut map.status });
-    map.error_bound = SOLVED;
+    // Where several answers meet none is the exact one.
+    let errors = errors.iter().zip(&map.status).filter(|(_, status)| **status == Status::Ok);
+    map.error_bound = errors.fold(0.0, |worst, (&error, _)| worst.max(f64::from(error)));
     (solved, rays)
 }
 
@@ -149,13 +153,20 @@ impl Known<'_> {
                 (p.column as usize, p.row as usize) == (column, row)
                     && (p.uv[0] - uv[0]).hypot(p.uv[1] - uv[1]) < SAME
             };
-            if !cell.holds(uv, 1e-9) || points[known..].iter().any(again) {
+            if !cell.claims(uv) || points[known..].iter().any(again) {
                 continue;
             }
             let found = Sample::take(self.setup, uv);
             if found.same_sheet(corner) && found.reaches(target) {
-                let (column, row) = (column as u32, row as u32);
-                points.push(Point { column, row, uv, blocked: !through_plate });
+                let pixel = (column, row);
+                points.push(Point::new(
+                    self.setup,
+                    self.raster,
+                    pixel,
+                    &solution,
+                    &mut path,
+                    !through_plate,
+                ));
             }
         }
     }
@@ -195,13 +206,15 @@ impl Known<'_> {
                     path.clone_from(&corner.path);
                     continue;
                 };
-                if cell.holds(solution.uv, 1e-9) {
-                    points.push(Point {
-                        column: column as u32,
-                        row: row as u32,
-                        uv: solution.uv,
-                        blocked: !through_plate,
-                    });
+                if cell.claims(solution.uv) {
+                    points.push(Point::new(
+                        self.setup,
+                        self.raster,
+                        (column, row),
+                        &solution,
+                        &mut path,
+                        !through_plate,
+                    ));
                 }
             }
         }

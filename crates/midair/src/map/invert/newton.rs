@@ -13,6 +13,11 @@ pub(super) struct Solution {
 /// Newton doubles the digits at each step, so a step this small leaves an error of about its square
 /// times the sheet's curvature: below 1e-12 for any curvature under 1e4.
 const STEP: f64 = 1e-8;
+/// No start that leads somewhere is further off than this, in images.
+const FAR: f64 = 4.0;
+/// What rounding makes of places along a path, mm: those of a metre are known to 2^-53 of it, 1e-13 mm, and a hundred operations
+/// lead from one end to the other.
+const ROUNDING: f64 = 1e-11;
 /// Newton steps enough from any start that leads somewhere.
 pub(super) const ITERATIONS: usize = 12;
 
@@ -25,21 +30,52 @@ pub(super) fn solve(
     iterations: usize,
 ) -> Option<Solution> {
     let mut uv = start;
+    let mut last: Option<[f64; 2]> = None;
     for _ in 0..iterations {
         count_ray();
         let (at, jacobian) = setup.follow_with_jacobian(uv, path);
         let step = apply_inverse(jacobian, [st[0] - at[0], st[1] - at[1]]);
         let length = step[0].abs().max(step[1].abs());
-        // NaN: the sheet does not reach here. A long way off: this start leads nowhere.
-        if !(length < 4.0) {
-            return None;
+        if !(length < FAR) {
+            // The sheet does not reach here, or nearly ends: half as far may do. A start of which this holds leads nowhere.
+            let half = last?.map(|c| 0.5 * c);
+            uv = [uv[0] - half[0], uv[1] - half[1]];
+            last = Some(half);
+            continue;
         }
         uv = [uv[0] + step[0], uv[1] + step[1]];
         if length < STEP {
             return Some(Solution { uv, jacobian });
         }
+        last = Some(step);
     }
     None
+}
+
+impl Solution {
+    /// A guess for the image point of another place nearby.
+    pub fn towards(&self, from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
+        let step = apply_inverse(self.jacobian, [to[0] - from[0], to[1] - from[1]]);
+        [self.uv[0] + step[0], self.uv[1] + step[1]]
+    }
+
+    /// Whether it is a point of the image.
+    pub fn in_image(&self) -> bool {
+        self.uv.iter().all(|c| (0.0..=1.0).contains(c))
+    }
+
+    /// How far it is from exact: the residual of F there, through the inverse Jacobian, and what rounding may hide of it.
+    pub fn error(&self, setup: &Setup, path: &mut [Step], st: [f64; 2]) -> f64 {
+        count_ray();
+        let at = setup.follow(self.uv, path);
+        let left = apply_inverse(self.jacobian, [at[0] - st[0], at[1] - st[1]]);
+        // Rounding at the display, seen from the image, and at the image itself.
+        let [width, height] = setup.display.size.map(|mm| ROUNDING / mm);
+        let hidden = [[width, 0.0], [0.0, height]].map(|off| apply_inverse(self.jacobian, off));
+        let at_image = ROUNDING / setup.image.size[0].min(setup.image.size[1]);
+        let length = |v: [f64; 2]| v[0].hypot(v[1]);
+        length(left) + length(hidden[0]) + length(hidden[1]) + at_image
+    }
 }
 
 /// `jacobian^-1 * v`.
