@@ -206,11 +206,12 @@ impl<'a> Judge<'a> {
             *at = [s * self.size[0] as f64 - 0.5, (1.0 - t) * self.size[1] as f64 - 0.5];
         }
         let [a, b, c] = at;
+        let size = self.size;
         let range = |axis: usize| {
             let low = a[axis].min(b[axis]).min(c[axis]) - 0.1;
             let high = a[axis].max(b[axis]).max(c[axis]) + 0.1;
             let first = low.ceil().max(0.0) as usize;
-            let past = (high + 1.0).floor().clamp(0.0, self.size[axis] as f64) as usize;
+            let past = (high + 1.0).floor().clamp(0.0, size[axis] as f64) as usize;
             first..past
         };
         let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
@@ -306,7 +307,8 @@ impl<'a> Judge<'a> {
             uv = [uv[0] + step[0], uv[1] + step[1]];
             f = self.residual(uv, st)?;
             if step[0].hypot(step[1]) < 1e-12 || f[0].hypot(f[1]) < 1e-14 {
-                return (f[0].hypot(f[1]) < 1e-9).then_some(uv);
+                // Where F is so steep that the last digit of uv moves its light further, a hundredth of a pixel must do.
+                return (self.apart(f, [0.0; 2]) < 0.01).then_some(uv);
             }
             let squared = step[0] * step[0] + step[1] * step[1];
             for row in 0..2 {

@@ -157,7 +157,8 @@ impl Known<'_> {
                 continue;
             }
             let found = Sample::take(self.setup, uv);
-            if found.same_sheet(corner) && found.reaches(target) {
+            let reaches = found.reaches(target, solution.jacobian, self.raster.pixel());
+            if found.same_sheet(corner) && reaches {
                 let pixel = (column, row);
                 points.push(Point::new(
                     self.setup,

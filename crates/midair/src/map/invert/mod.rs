@@ -8,6 +8,7 @@
 //! pixels solved one by one on every sheet that reaches them. Each image point belongs to exactly one cell, so
 //! counting a pixel's answers tells the folded ones.
 
+mod between;
 mod cell;
 mod dense;
 mod fill;

@@ -5,7 +5,7 @@ use super::newton::{ITERATIONS, Solution, apply_inverse, determinant, solve};
 use super::tally::count_ray;
 use crate::map::{Map, Status, pixel_at, pixel_centre};
 use crate::transport::{Path, Setup, Step};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// One image point that reaches a pixel.
 #[derive(Clone, Copy, Debug)]
@@ -84,6 +84,11 @@ impl Raster {
         Some(clipped)
     }
 
+    /// A pixel's size in st.
+    pub fn pixel(&self) -> [f64; 2] {
+        [1.0 / self.size(0), 1.0 / self.size(1)]
+    }
+
     /// The place of a pixel's centre.
     pub fn centre(&self, (column, row): (usize, usize)) -> [f64; 2] {
         pixel_centre(column, row, self.width, self.height)
@@ -139,6 +144,9 @@ pub(super) struct Solved {
     pub leads: Vec<Lead>,
 }
 
+/// More sheets than so many samples find in one small cell are noise (the vertex of a faceted crystal).
+const MOST_SEEDS: usize = 2000;
+
 /// All image points of `cell` that reach pixels, on the sheets of the samples and, if `cut` (a border may run through
 /// the cell), on those that turn up.
 pub(super) fn solve_pixels(
@@ -153,8 +161,7 @@ pub(super) fn solve_pixels(
     let mut spreads: Vec<Spread> = Vec::new();
     let mut solved = Solved::default();
     let mut next = 0;
-    // Far more sheets in one small cell are noise (the vertex of a faceted crystal).
-    while next < seeds.len().min(256) {
+    while next < seeds.len().min(MOST_SEEDS) {
         let mut seed = seeds[next].clone();
         next += 1;
         let Some((_, through_plate)) = seed.arrives() else { continue };
@@ -163,14 +170,16 @@ pub(super) fn solve_pixels(
         let sense = determinant(jacobian).signum();
         let of_seed = |s: &Spread| s.sense == sense && s.sheet.same_sheet(&seed);
         let index = spreads.iter().position(of_seed).unwrap_or_else(|| {
-            spreads.push(Spread { sheet: seed.clone(), sense, visited: HashSet::new() });
+            spreads.push(Spread::new(seed.clone(), sense));
             spreads.len() - 1
         });
-        for mut lead in spreads[index].run(setup, raster, cell, &seed) {
+        for mut lead in spreads[index].run(setup, raster, cell, &seed, jacobian) {
             let within = cell.claims(lead.solution.uv);
             if cut && within {
                 let found = Sample::take(setup, lead.solution.uv);
-                if !(found.same_sheet(&seed) && found.reaches(raster.centre(lead.pixel))) {
+                let st = raster.centre(lead.pixel);
+                let reaches = found.reaches(st, lead.solution.jacobian, raster.pixel());
+                if !(found.same_sheet(&seed) && reaches) {
                     if found.arrives().is_some() && !seeds.iter().any(|s| s.same_sheet(&found)) {
                         seeds.push(found);
                     }
@@ -194,37 +203,62 @@ struct Spread {
     sheet: Sample,
     sense: f64,
     visited: HashSet<(usize, usize)>,
+    /// How often a pixel could not be solved.
+    failed: HashMap<(usize, usize), u32>,
 }
 
+/// So often a pixel is tried from different sides.
+const TRIES: u32 = 4;
+
 impl Spread {
+    fn new(sheet: Sample, sense: f64) -> Self {
+        Self { sheet, sense, visited: HashSet::new(), failed: HashMap::new() }
+    }
+
     /// Solves the pixels around a seed, each started from its neighbour: where F changes as the root of the distance
     /// to a border, its inverse is smooth, and so on the display's side every step is a short one.
     ///
     /// Pixels whose image point lies around the cell are passed through, so that a thin region is found whole.
-    fn run(&mut self, setup: &Setup, raster: Raster, cell: Cell, seed: &Sample) -> Vec<Lead> {
+    fn run(
+        &mut self,
+        setup: &Setup,
+        raster: Raster,
+        cell: Cell,
+        seed: &Sample,
+        jacobian: [[f64; 2]; 2],
+    ) -> Vec<Lead> {
         let mut found = Vec::new();
         let Some((st, through_plate)) = seed.arrives() else { return found };
-        let start = raster.nearest(st);
-        let mut queue = vec![(start, seed.uv, seed.path.clone())];
-        while let Some((pixel, guess, mut path)) = queue.pop() {
-            if self.visited.contains(&pixel) {
+        let start = Solution { uv: seed.uv, jacobian };
+        // The seed's own pixel's centre may lie beyond the border that the seed is near.
+        let own = raster.nearest(st);
+        let mut queue: Vec<_> = raster
+            .around(own)
+            .chain([own])
+            .map(|pixel| (pixel, start.towards(st, raster.centre(pixel)), seed.path.clone(), true))
+            .collect();
+        while let Some((pixel, guess, mut path, first)) = queue.pop() {
+            if self.visited.contains(&pixel)
+                || self.failed.get(&pixel).is_some_and(|&failed| failed >= TRIES)
+            {
                 continue;
             }
             let st = raster.centre(pixel);
-            let Some(solution) = solve(setup, &mut path, st, guess, ITERATIONS) else { continue };
-            if determinant(solution.jacobian).signum() != self.sense {
+            let solution = solve(setup, &mut path, st, guess, ITERATIONS)
+                .filter(|found| determinant(found.jacobian).signum() == self.sense);
+            let Some(solution) = solution else {
+                *self.failed.entry(pixel).or_default() += 1;
                 continue;
-            }
+            };
             self.visited.insert(pixel);
             // Half a cell, and one pixel: cells may be smaller than those.
             let pixel_step = [[1.0 / raster.size(0), 0.0], [0.0, 1.0 / raster.size(1)]]
                 .map(|step| apply_inverse(solution.jacobian, step))
                 .map(|[u, v]| u.abs().max(v.abs()));
             let around = 0.5 * cell.extent() + pixel_step[0].max(pixel_step[1]);
-            let goes_on = pixel == start || cell.holds(solution.uv, around);
-            if goes_on {
+            if first || cell.holds(solution.uv, around) {
                 for to in raster.around(pixel).filter(|to| !self.visited.contains(to)) {
-                    queue.push((to, solution.towards(st, raster.centre(to)), path.clone()));
+                    queue.push((to, solution.towards(st, raster.centre(to)), path.clone(), false));
                 }
             }
             if solution.in_image() {

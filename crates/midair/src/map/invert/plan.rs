@@ -1,5 +1,6 @@
 //! Cutting the image into cells on which the inverse is known.
 
+use super::between::Between;
 use super::cell::{Cell, Sample};
 use super::patch::Patch;
 use super::pixels::{Point, Raster, SAME, Solved, solve_pixels};
@@ -35,10 +36,6 @@ const SMALL_PATCH: f64 = 60.0;
 /// Samples this close (in pixels) to each other decide whether a cell near a border is cut by it: what then goes
 /// unseen reaches less than two pixels deep into it, so that its pixels lie within one pixel of the border.
 const SPACING: f64 = 4.0;
-
-/// Borders are closed in upon to this distance: a strip as thin beside a grazing ray, where F changes like the root of the
-/// distance to the border, moves by a hundredth of a pixel at most.
-const BORDER: f64 = 1e-9;
 
 /// Inverts F cell by cell; `None` where it is creased too densely for that. Also returns the number of rays traced.
 pub(super) fn plan(setup: &Setup, raster: Raster, tolerance: f64) -> (Option<Pieces>, u64) {
@@ -205,12 +202,15 @@ impl Planner<'_> {
         let cut = !(one_sheet && continuous(&arriving, n));
         let mut seeds = samples;
         if cut {
-            let between = |a: usize, b: usize| close_in(self.setup, &seeds[a], &seeds[b]);
-            let right = |k: usize| (k % n + 1 < n).then(|| between(k, k + 1));
-            let above = |k: usize| (k + n < n * n).then(|| between(k, k + n));
-            let found: Vec<Sample> =
-                (0..n * n).flat_map(|k| [right(k), above(k)]).flatten().flatten().collect();
-            seeds.extend(found);
+            let mut between = Between::new(self.setup);
+            for k in 0..n * n {
+                let right = (k % n + 1 < n).then_some(k + 1);
+                let above = (k + n < n * n).then_some(k + n);
+                for other in [right, above].into_iter().flatten() {
+                    between.look(&seeds[k], &seeds[other]);
+                }
+            }
+            seeds.extend(between.found);
         }
         Outcome::Solved(solve_pixels(self.setup, self.raster, cell, &seeds, cut))
     }
@@ -251,33 +251,6 @@ fn returns(patch: &Patch, sample: &Sample) -> bool {
     let reaches = (0..2).all(|k| (patch.rect[0][k]..=patch.rect[1][k]).contains(&st[k]));
     let uv = patch.at(st);
     !reaches || (uv[0] - sample.uv[0]).hypot(uv[1] - sample.uv[1]) < SAME
-}
-
-/// Samples on either side of each border between two samples: a sheet between theirs is found however thin it is.
-fn close_in(setup: &Setup, a: &Sample, b: &Sample) -> Vec<Sample> {
-    let mut found = Vec::new();
-    let mut open = vec![(a.clone(), b.clone())];
-    // Far more sheets between two samples are noise.
-    while found.len() < 16
-        && let Some((mut a, mut b)) = open.pop()
-    {
-        if a.same_sheet(&b) {
-            continue;
-        }
-        while (a.uv[0] - b.uv[0]).abs().max((a.uv[1] - b.uv[1]).abs()) > BORDER {
-            let middle = Sample::take(setup, [0, 1].map(|k| 0.5 * (a.uv[k] + b.uv[k])));
-            if middle.same_sheet(&a) {
-                a = middle;
-            } else {
-                if !middle.same_sheet(&b) {
-                    open.push((middle.clone(), b));
-                }
-                b = middle;
-            }
-        }
-        found.extend([a, b]);
-    }
-    found
 }
 
 /// Whether samples of one sheet on an n x n grid show no jump: on a mesh, light may leave by a face far away from its

@@ -32,7 +32,8 @@ pub(super) fn pursue(
         let st = raster.centre(pixel);
         let traced = Sample::take(setup, solution.uv);
         let arrives_so = traced.arrives().is_some_and(|(_, through)| through == through_plate);
-        if !(arrives_so && traced.path == lead.path && traced.reaches(st)) {
+        let reaches = traced.reaches(st, solution.jacobian, raster.pixel());
+        if !(arrives_so && traced.path == lead.path && reaches) {
             continue;
         }
         known.add(pixel, solution.uv);
