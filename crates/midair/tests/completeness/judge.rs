@@ -6,13 +6,28 @@
 
 use midair::map::{Status, pixel_at, pixel_centre};
 use midair::transport::{End, Path, Setup};
+use std::collections::HashMap;
 
-/// Cells of the first grid along each side.
-const CELLS: usize = 160;
-/// A cell with different courses at its corners is quartered this often, whatever else is seen: to 1/5000 of the image.
-const CUT_DEPTH: u32 = 5;
-/// A cell that is wide on the display is quartered at most this often: to 1/80000 of the image.
-const DEPTH: u32 = 9;
+/// How closely it is looked.
+#[derive(Clone, Copy, Debug)]
+pub struct Care {
+    /// Cells of the first grid along each side.
+    pub cells: usize,
+    /// A cell with different courses at its corners is quartered this often, whatever else is seen.
+    pub cut: u32,
+    /// A cell that is wide on the display is quartered at most this often.
+    pub wide: u32,
+}
+
+impl Care {
+    /// Borders to 1/1600 of the image, what is wide on the display to 1/25600.
+    pub const QUICK: Self = Self { cells: 100, cut: 4, wide: 8 };
+    /// Borders to 1/5000 of the image, what is wide on the display to 1/80000.
+    pub const THOROUGH: Self = Self { cells: 160, cut: 5, wide: 9 };
+}
+
+/// From rays of one course each pixel is tried so often: what it has of them is found by then.
+const TRIES: u8 = 12;
 /// A cell is wide if its rays land further than this from each other, in pixels.
 const WIDE: f64 = 1.5;
 /// Between two different courses the border is closed in upon to this distance.
@@ -42,10 +57,9 @@ impl Sample {
 
     fn same_course(&self, other: &Self) -> bool {
         let ends_alike = match (self.end, other.end) {
-            (
-                End::Display { through_plate: a, .. },
-                End::Display { through_plate: b, .. },
-            ) => a == b,
+            (End::Display { through_plate: a, .. }, End::Display { through_plate: b, .. }) => {
+                a == b
+            }
             (End::Display { .. }, _) | (_, End::Display { .. }) => false,
             (a, b) => a == b,
         };
@@ -59,17 +73,30 @@ pub struct Judge<'a> {
     size: [usize; 2],
     /// The image points that reach each pixel, row by row.
     pub roots: Vec<Vec<Root>>,
-    /// Roots whose neighbours are still to be tried.
-    fresh: Vec<(usize, usize, Root)>,
+    care: Care,
+    /// Roots whose neighbours are still to be tried, with their courses.
+    fresh: Vec<(usize, usize, Root, usize)>,
+    /// The courses of rays that arrive, as they turned up.
+    courses: Vec<Path>,
+    /// How often a pixel was tried from rays of a course.
+    tries: HashMap<(usize, usize), u8>,
     /// Rays traced.
     pub rays: u64,
 }
 
 impl<'a> Judge<'a> {
-    pub fn new(setup: &'a Setup) -> Self {
+    pub fn new(setup: &'a Setup, care: Care) -> Self {
         let size = setup.resolution;
-        let mut judge =
-            Self { setup, size, roots: vec![Vec::new(); size[0] * size[1]], fresh: Vec::new(), rays: 0 };
+        let mut judge = Self {
+            setup,
+            size,
+            roots: vec![Vec::new(); size[0] * size[1]],
+            care,
+            fresh: Vec::new(),
+            courses: Vec::new(),
+            tries: HashMap::new(),
+            rays: 0,
+        };
         judge.sample();
         judge
     }
@@ -98,14 +125,15 @@ impl<'a> Judge<'a> {
     }
 
     fn sample(&mut self) {
-        let place = |k: usize| k as f64 / CELLS as f64;
+        let cells = self.care.cells;
+        let place = |k: usize| k as f64 / cells as f64;
         let row = |judge: &mut Self, j: usize| -> Vec<Sample> {
-            (0..=CELLS).map(|i| judge.take([place(i), place(j)])).collect()
+            (0..=cells).map(|i| judge.take([place(i), place(j)])).collect()
         };
         let mut below = row(self, 0);
-        for j in 1..=CELLS {
+        for j in 1..=cells {
             let above = row(self, j);
-            for i in 0..CELLS {
+            for i in 0..cells {
                 self.cell([&below[i], &below[i + 1], &above[i], &above[i + 1]], 0);
             }
             below = above;
@@ -144,7 +172,7 @@ impl<'a> Judge<'a> {
         if !cut && !near {
             return;
         }
-        if (cut && depth < CUT_DEPTH) || (wide && depth < DEPTH) {
+        if (cut && depth < self.care.cut) || (wide && depth < self.care.wide) {
             let middle =
                 |a: usize, b: usize| [0, 1].map(|k| 0.5 * (corners[a].uv[k] + corners[b].uv[k]));
             let [bottom, left, centre, right, top] =
@@ -194,7 +222,25 @@ impl<'a> Judge<'a> {
             && st.iter().all(|c| (0.0..1.0).contains(c))
         {
             let (x, y) = pixel_at(st, self.size[0], self.size[1]);
-            self.try_root(x, y, sample.uv);
+            let course = self.course(&sample.path);
+            self.try_course(x, y, sample.uv, course);
+        }
+    }
+
+    /// The number of a course.
+    fn course(&mut self, path: &Path) -> usize {
+        self.courses.iter().position(|known| known == path).unwrap_or_else(|| {
+            self.courses.push(path.clone());
+            self.courses.len() - 1
+        })
+    }
+
+    /// Tries a pixel from a ray of a course, unless it was tried often.
+    fn try_course(&mut self, x: usize, y: usize, start: [f64; 2], course: usize) {
+        let tries = self.tries.entry((y * self.size[0] + x, course)).or_default();
+        if *tries < TRIES {
+            *tries += 1;
+            self.try_root(x, y, start);
         }
     }
 
@@ -206,6 +252,7 @@ impl<'a> Judge<'a> {
             *at = [s * self.size[0] as f64 - 0.5, (1.0 - t) * self.size[1] as f64 - 0.5];
         }
         let [a, b, c] = at;
+        let course = self.course(&corners[0].path);
         let size = self.size;
         let range = |axis: usize| {
             let low = a[axis].min(b[axis]).min(c[axis]) - 0.1;
@@ -225,9 +272,10 @@ impl<'a> Judge<'a> {
                 let inside = weights.iter().all(|&w| w > -0.2);
                 let weights = if area.abs() < 1e-9 { [1.0 / 3.0; 3] } else { weights };
                 if inside || area.abs() < 1e-9 {
-                    let uv = [0, 1]
-                        .map(|k| (0..3).map(|i| weights[i] * corners[i].uv[k]).sum::<f64>().clamp(0.0, 1.0));
-                    self.try_root(x, y, uv);
+                    let uv = [0, 1].map(|k| {
+                        (0..3).map(|i| weights[i] * corners[i].uv[k]).sum::<f64>().clamp(0.0, 1.0)
+                    });
+                    self.try_course(x, y, uv, course);
                 }
             }
         }
@@ -235,15 +283,23 @@ impl<'a> Judge<'a> {
 
     /// Tries the neighbours of what was found, each from its neighbour's root.
     fn spread(&mut self) {
-        while let Some((x, y, root)) = self.fresh.pop() {
+        while let Some((x, y, root, course)) = self.fresh.pop() {
             let mut around = Vec::new();
-            if x > 0 { around.push((x - 1, y)); }
-            if y > 0 { around.push((x, y - 1)); }
-            if x + 1 < self.size[0] { around.push((x + 1, y)); }
-            if y + 1 < self.size[1] { around.push((x, y + 1)); }
+            if x > 0 {
+                around.push((x - 1, y));
+            }
+            if y > 0 {
+                around.push((x, y - 1));
+            }
+            if x + 1 < self.size[0] {
+                around.push((x + 1, y));
+            }
+            if y + 1 < self.size[1] {
+                around.push((x, y + 1));
+            }
             for (i, j) in around {
                 if self.roots[j * self.size[0] + i].is_empty() {
-                    self.try_root(i, j, root.uv);
+                    self.try_course(i, j, root.uv, course);
                 }
             }
         }
@@ -266,10 +322,12 @@ impl<'a> Judge<'a> {
         {
             return;
         }
-        if let End::Display { through_plate, .. } = self.take(uv).end {
+        let traced = self.take(uv);
+        if let End::Display { through_plate, .. } = traced.end {
             let root = Root { uv, through_plate };
             self.roots[known].push(root);
-            self.fresh.push((x, y, root));
+            let course = self.course(&traced.path);
+            self.fresh.push((x, y, root, course));
         }
     }
 

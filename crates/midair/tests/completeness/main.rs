@@ -8,7 +8,7 @@
 mod judge;
 mod set_ups;
 
-use judge::Judge;
+use judge::{Care, Judge};
 use midair::map::{Accuracy, Map, Status, invert};
 use midair::transport::Setup;
 use rayon::prelude::*;
@@ -31,17 +31,25 @@ fn status_index(status: Status) -> usize {
     status as usize
 }
 
-fn judged(name: &str, setup: &Setup) -> Verdict {
+fn judged(name: &str, setup: &Setup, care: Care) -> Verdict {
     let start = Instant::now();
     let (map, effort) = invert(setup, Accuracy::default());
     let inverted = start.elapsed();
-    let mut judge = Judge::new(setup);
+    let mut judge = Judge::new(setup, care);
     let mut verdict = compare(&map, &mut judge);
     let took = start.elapsed();
     let shown = format!(
         "{name}: {} wrong, {} beyond the bound {:.1e}; {} rays, {} pixels of {}, {:.1} ms; judged by {} rays in {:.1} s{}\n",
-        verdict.wrong, verdict.beyond, map.error_bound, effort.rays, effort.solved_pixels, verdict.pixels,
-        inverted.as_secs_f64() * 1e3, judge.rays, took.as_secs_f64(), verdict.text,
+        verdict.wrong,
+        verdict.beyond,
+        map.error_bound,
+        effort.rays,
+        effort.solved_pixels,
+        verdict.pixels,
+        inverted.as_secs_f64() * 1e3,
+        judge.rays,
+        took.as_secs_f64(),
+        verdict.text,
     );
     verdict.text = shown;
     verdict
@@ -53,7 +61,12 @@ fn compare(map: &Map, judge: &mut Judge) -> Verdict {
     let mut worst = 0.0f64;
     // What the map answers counts if it is so: the judge, too, may have overlooked it.
     for (index, (uv, status)) in map.uv.iter().zip(&map.status).enumerate() {
-        assert_eq!(status.is_answered(), !uv[0].is_nan(), "{status:?} with {uv:?} at {:?}", place(index));
+        assert_eq!(
+            status.is_answered(),
+            !uv[0].is_nan(),
+            "{status:?} with {uv:?} at {:?}",
+            place(index)
+        );
         if !status.is_answered() {
             continue;
         }
@@ -84,7 +97,11 @@ fn compare(map: &Map, judge: &mut Judge) -> Verdict {
             if let Some((x, y)) = first[said][is] {
                 verdict.text += &format!(
                     "\n    {} {} that are {}: first {:?} {:?}, roots {:?}",
-                    kinds[said][is], names[said], names[is], (x, y), map.uv[y * map.width + x],
+                    kinds[said][is],
+                    names[said],
+                    names[is],
+                    (x, y),
+                    map.uv[y * map.width + x],
                     judge.roots[y * map.width + x],
                 );
             }
@@ -97,7 +114,8 @@ fn compare(map: &Map, judge: &mut Judge) -> Verdict {
 }
 
 fn set_up_of(path: &Path) -> Setup {
-    let loaded = midair::scene::load(path).unwrap_or_else(|error| panic!("{}: {error:?}", path.display()));
+    let loaded =
+        midair::scene::load(path).unwrap_or_else(|error| panic!("{}: {error:?}", path.display()));
     Setup::new(&loaded).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
@@ -110,14 +128,18 @@ fn variable(name: &str) -> Option<u64> {
 fn no_status_is_wrong_more_than_a_pixel_from_a_border() {
     let campaign = variable("MIDAIR_CAMPAIGN");
     let verdicts: Vec<Verdict> = if let Ok(files) = std::env::var("MIDAIR_CAMPAIGN_SCENES") {
-        files.split(':').map(|file| {
-            let verdict = judged(file, &set_up_of(Path::new(file)));
-            print!("{}", verdict.text);
-            verdict
-        }).collect()
+        files
+            .split(':')
+            .map(|file| {
+                let verdict = judged(file, &set_up_of(Path::new(file)), Care::THOROUGH);
+                print!("{}", verdict.text);
+                verdict
+            })
+            .collect()
     } else {
         let first = variable("MIDAIR_CAMPAIGN_FIRST").unwrap_or(0);
         let count = campaign.unwrap_or(27);
+        let care = if campaign.is_some() { Care::THOROUGH } else { Care::QUICK };
         let folder = tempfile::tempdir().expect("a temporary folder");
         (first..first + count)
             .into_par_iter()
@@ -128,12 +150,15 @@ fn no_status_is_wrong_more_than_a_pixel_from_a_border() {
                 // An eye inside of a solid, a plate that faces away: what a scene may not be.
                 let loaded = midair::scene::load(&file).ok()?;
                 let setup = Setup::new(&loaded).expect("the scene is sound");
-                let verdict = judged(&format!("{seed} {kind}"), &setup);
+                let verdict = judged(&format!("{seed} {kind}"), &setup, care);
                 if verdict.wrong + verdict.beyond > 0 || campaign.is_some() {
                     print!("{}", verdict.text);
                 }
-                if verdict.wrong + verdict.beyond > 0 && let Ok(kept) = std::env::var("MIDAIR_CAMPAIGN_KEEP") {
-                    std::fs::write(Path::new(&kept).join(format!("{seed}.toml")), &text).expect("writable");
+                if verdict.wrong + verdict.beyond > 0
+                    && let Ok(kept) = std::env::var("MIDAIR_CAMPAIGN_KEEP")
+                {
+                    std::fs::write(Path::new(&kept).join(format!("{seed}.toml")), &text)
+                        .expect("writable");
                 }
                 Some(verdict)
             })
@@ -143,7 +168,9 @@ fn no_status_is_wrong_more_than_a_pixel_from_a_border() {
     let (wrong, beyond) = (sum(|v| v.wrong), sum(|v| v.beyond));
     println!(
         "{} set-ups, {} pixels, {} answered: {wrong} statuses wrong in {} set-ups, {beyond} answers beyond the bound in {}",
-        verdicts.len(), sum(|v| v.pixels), sum(|v| v.answered),
+        verdicts.len(),
+        sum(|v| v.pixels),
+        sum(|v| v.answered),
         verdicts.iter().filter(|v| v.wrong > 0).count(),
         verdicts.iter().filter(|v| v.beyond > 0).count(),
     );

@@ -61,7 +61,11 @@ impl Maker<'_> {
             text += "follow_total_reflection = true\n";
         }
         let table = matches!(kind, "bent mirror" | "ball on a mirror");
-        if table { self.on_a_table(&mut text, kind) } else { self.before_a_plate(&mut text, kind) }
+        if table {
+            self.on_a_table(&mut text, kind)
+        } else {
+            self.before_a_plate(&mut text, kind)
+        }
         text
     }
 
@@ -85,7 +89,10 @@ impl Maker<'_> {
         let _ = writeln!(
             text,
             "[viewpoint]\nposition = [{x}, {}, {}]\n[image]\nposition = [0.0, {height}, 0.0]\nsize = [{}, {}]",
-            self.within(250.0, 550.0), self.within(500.0, 900.0), size[0], size[1],
+            self.within(250.0, 550.0),
+            self.within(500.0, 900.0),
+            size[0],
+            size[1],
         );
         let plate = if self.chance(0.2) { 120.0 } else { 488.0 };
         let _ = writeln!(
@@ -113,9 +120,13 @@ impl Maker<'_> {
         let facing = if self.chance(0.5) { "convex" } else { "concave" };
         let radius = self.within(150.0, 600.0);
         let shape = if self.chance(0.5) {
-            format!("{{ kind = \"cylinder-mirror\", radius = {radius}, size = [200.0, 300.0], facing = \"{facing}\" }}")
+            format!(
+                "{{ kind = \"cylinder-mirror\", radius = {radius}, size = [200.0, 300.0], facing = \"{facing}\" }}"
+            )
         } else {
-            format!("{{ kind = \"sphere-mirror\", radius = {radius}, diameter = 200.0, facing = \"{facing}\" }}")
+            format!(
+                "{{ kind = \"sphere-mirror\", radius = {radius}, diameter = 200.0, facing = \"{facing}\" }}"
+            )
         };
         let [a, _, c] = self.around(8.0);
         let _ = writeln!(
@@ -126,10 +137,12 @@ impl Maker<'_> {
     }
 
     fn before_a_plate(&mut self, text: &mut String, kind: &str) {
-        let distance = if self.chance(0.25) { self.within(150.0, 350.0) } else { self.within(400.0, 1100.0) };
+        let distance =
+            if self.chance(0.25) { self.within(150.0, 350.0) } else { self.within(400.0, 1100.0) };
         let [x, y, _] = self.around(0.2 * distance);
         let border = kind == "image at a border";
-        let size = [0; 2].map(|_| if border { self.within(40.0, 80.0) } else { self.within(12.0, 45.0) });
+        let size =
+            [0; 2].map(|_| if border { self.within(40.0, 80.0) } else { self.within(12.0, 45.0) });
         let [dx, dy, dz] = if border { self.around(20.0) } else { self.around(5.0) };
         let [a, b, c] = self.around(15.0);
         let _ = writeln!(
@@ -138,13 +151,17 @@ impl Maker<'_> {
             size[0], size[1],
         );
         let small = kind == "small plate";
-        let plate = [0; 2].map(|_| if small { self.within(15.0, 80.0) } else { self.within(250.0, 550.0) });
+        let plate =
+            [0; 2].map(|_| if small { self.within(15.0, 80.0) } else { self.within(250.0, 550.0) });
         let [dx, dy, _] = self.around(20.0);
         let [a, b, c] = self.around(15.0);
         let _ = writeln!(
             text,
             "[plate]\nposition = [{dx}, {dy}, {}]\nrotation = [{}, {b}, {c}]\nsize = [{}, {}]",
-            self.within(-250.0, -130.0), a - 42.0, plate[0], plate[1],
+            self.within(-250.0, -130.0),
+            a - 42.0,
+            plate[0],
+            plate[1],
         );
         self.display(text, size);
         match kind {
@@ -169,7 +186,13 @@ impl Maker<'_> {
         }
     }
 
-    fn solid(&mut self, text: &mut String, place: [f64; 3], [low, high]: [f64; 2], priority: Option<i32>) {
+    fn solid(
+        &mut self,
+        text: &mut String,
+        place: [f64; 3],
+        [low, high]: [f64; 2],
+        priority: Option<i32>,
+    ) {
         let r = self.within(low, high);
         let [x, y, z] = [0; 3].map(|_| self.within(low, high));
         let shape = match self.rng.u32(0..5) {
@@ -187,7 +210,14 @@ impl Maker<'_> {
         self.solid_of(text, &shape, place, turn, priority);
     }
 
-    fn solid_of(&mut self, text: &mut String, shape: &str, place: [f64; 3], turn: [f64; 3], priority: Option<i32>) {
+    fn solid_of(
+        &mut self,
+        text: &mut String,
+        shape: &str,
+        place: [f64; 3],
+        turn: [f64; 3],
+        priority: Option<i32>,
+    ) {
         let index = self.index();
         let _ = writeln!(
             text,
@@ -214,7 +244,13 @@ impl Maker<'_> {
             )
         };
         let glass = format!("ior = {}", self.within(1.45, 1.6));
-        *text += &cylinder(digits(radius + 0.0625), -0.5 * digits(height), 0.5 * digits(height), &glass, 0);
+        *text += &cylinder(
+            digits(radius + 0.0625),
+            -0.5 * digits(height),
+            0.5 * digits(height),
+            &glass,
+            0,
+        );
         *text += &cylinder(inner, foot, surface, "ior = 1.333", 1);
         *text += &cylinder(inner, surface, surface + digits(height), "ior = 1.0", 1);
         if self.chance(0.7) {

@@ -23,8 +23,6 @@ const ROUND: usize = 32;
 /// A cell that is not smooth is quartered this often: to half a pixel. What lies between its corners then is less than a
 /// pixel of the image; a scanned mesh, whose bumps fold the image a hundredfold, is left at that.
 const FINE: usize = 2;
-/// Newton steps: from a guess that is good to a fraction of a cell three do, and over creases five.
-const FEW: usize = 6;
 
 /// Fills the map by a grid of cells over the whole image; returns how many image points were found and the rays that they took.
 ///
@@ -145,7 +143,7 @@ impl Known<'_> {
             }
             let target = pixel_centre(column, row, self.raster.width, self.raster.height);
             let mut path = corner.path.clone();
-            let Some(solution) = solve(self.setup, &mut path, target, corner.uv, FEW) else {
+            let Some(solution) = solve(self.setup, &mut path, target, corner.uv, corner.uv) else {
                 continue;
             };
             let uv = solution.uv;
@@ -202,7 +200,7 @@ impl Known<'_> {
                 }
                 let guess = [0, 1]
                     .map(|axis| cell.low[axis] + share[axis] * (cell.high[axis] - cell.low[axis]));
-                let Some(solution) = solve(self.setup, &mut path, target, guess, FEW) else {
+                let Some(solution) = solve(self.setup, &mut path, target, guess, guess) else {
                     // It may have strayed far over the mesh.
                     path.clone_from(&corner.path);
                     continue;

@@ -1,10 +1,10 @@
 //! Entering the cells' answers into the display's pixels.
 
+use super::Effort;
 use super::patch::Patch;
 use super::pixels::{Point, Raster};
-use super::row::{Row, Stretch, enter};
-use super::Effort;
 use super::plan::Pieces;
+use super::row::{Row, Stretch, enter};
 use crate::map::{Map, Status, pixel_centre};
 use rayon::prelude::*;
 use std::ops::Range;

@@ -18,38 +18,48 @@ const FAR: f64 = 4.0;
 /// What rounding makes of places along a path, mm: those of a metre are known to 2^-53 of it, 1e-13 mm, and a hundred operations
 /// lead from one end to the other.
 const ROUNDING: f64 = 1e-11;
+/// Where F is steepest (beside grazing rays) its rounding keeps steps from getting smaller than about this.
+const NOISE: f64 = 1e-7;
 /// Newton steps enough from any start that leads somewhere.
-pub(super) const ITERATIONS: usize = 12;
+const ITERATIONS: usize = 24;
 
 /// The solution that Newton's method finds from `start`, F continued along `path`, whose faces it brings up to date.
+///
+/// The start was extrapolated from a point `near` it, where F exists: nearer to that it exists as well, should it not do so at the
+/// start.
 pub(super) fn solve(
     setup: &Setup,
     path: &mut [Step],
     st: [f64; 2],
     start: [f64; 2],
-    iterations: usize,
+    near: [f64; 2],
 ) -> Option<Solution> {
     let mut uv = start;
-    let mut last: Option<[f64; 2]> = None;
-    for _ in 0..iterations {
+    let mut last = [start[0] - near[0], start[1] - near[1]];
+    let mut jacobian = None;
+    for _ in 0..ITERATIONS {
         count_ray();
-        let (at, jacobian) = setup.follow_with_jacobian(uv, path);
-        let step = apply_inverse(jacobian, [st[0] - at[0], st[1] - at[1]]);
+        let (at, here) = setup.follow_with_jacobian(uv, path);
+        let step = apply_inverse(here, [st[0] - at[0], st[1] - at[1]]);
         let length = step[0].abs().max(step[1].abs());
         if !(length < FAR) {
-            // The sheet does not reach here, or nearly ends: half as far may do. A start of which this holds leads nowhere.
-            let half = last?.map(|c| 0.5 * c);
-            uv = [uv[0] - half[0], uv[1] - half[1]];
-            last = Some(half);
+            // The sheet does not reach here, or nearly ends: half as far may do.
+            last = last.map(|c| 0.5 * c);
+            if !(last[0].abs().max(last[1].abs()) > 0.0) {
+                return None;
+            }
+            uv = [uv[0] - last[0], uv[1] - last[1]];
+            jacobian = None;
             continue;
         }
         uv = [uv[0] + step[0], uv[1] + step[1]];
         if length < STEP {
-            return Some(Solution { uv, jacobian });
+            return Some(Solution { uv, jacobian: here });
         }
-        last = Some(step);
+        last = step;
+        jacobian = (length < NOISE).then_some(here);
     }
-    None
+    jacobian.map(|jacobian| Solution { uv, jacobian })
 }
 
 impl Solution {

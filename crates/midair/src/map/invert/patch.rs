@@ -1,7 +1,7 @@
 //! A piece of the map as a polynomial.
 
 use super::Cell;
-use super::newton::{ITERATIONS, apply_inverse, determinant, solve};
+use super::newton::{apply_inverse, determinant, solve};
 use super::row::{MAX_DEGREE, RowPolynomial};
 use super::tally::count_ray;
 use crate::transport::{Setup, Step};
@@ -49,7 +49,7 @@ impl Patch {
         };
         let mut values = vec![[0.0; 2]; n * n];
         let centre = cell.centre();
-        let mut near = solve(setup, path, place(nodes[0], nodes[0]), centre, ITERATIONS)?;
+        let mut near = solve(setup, path, place(nodes[0], nodes[0]), centre, centre)?;
         let mut near_st = place(nodes[0], nodes[0]);
         let orientation = determinant(near.jacobian).signum();
         for (row, &t) in nodes.iter().enumerate() {
@@ -57,7 +57,7 @@ impl Patch {
                 // To and fro, so that each node's neighbour is its start.
                 let column = if row % 2 == 0 { k } else { n - 1 - k };
                 let st = place(nodes[column], t);
-                near = solve(setup, path, st, near.towards(near_st, st), ITERATIONS)?;
+                near = solve(setup, path, st, near.towards(near_st, st), near.uv)?;
                 near_st = st;
                 if determinant(near.jacobian).signum() != orientation {
                     return None;

@@ -1,7 +1,7 @@
 //! Solving pixels one by one, where a cell is cut by a border, folded, or small.
 
 use super::cell::{Cell, Sample};
-use super::newton::{ITERATIONS, Solution, apply_inverse, determinant, solve};
+use super::newton::{Solution, apply_inverse, determinant, solve};
 use super::tally::count_ray;
 use crate::map::{Map, Status, pixel_at, pixel_centre};
 use crate::transport::{Path, Setup, Step};
@@ -175,12 +175,15 @@ pub(super) fn solve_pixels(
         });
         for mut lead in spreads[index].run(setup, raster, cell, &seed, jacobian) {
             let within = cell.claims(lead.solution.uv);
-            if cut && within {
+            if within {
                 let found = Sample::take(setup, lead.solution.uv);
                 let st = raster.centre(lead.pixel);
                 let reaches = found.reaches(st, lead.solution.jacobian, raster.pixel());
                 if !(found.same_sheet(&seed) && reaches) {
-                    if found.arrives().is_some() && !seeds.iter().any(|s| s.same_sheet(&found)) {
+                    if cut
+                        && found.arrives().is_some()
+                        && !seeds.iter().any(|s| s.same_sheet(&found))
+                    {
                         seeds.push(found);
                     }
                     continue;
@@ -235,16 +238,19 @@ impl Spread {
         let mut queue: Vec<_> = raster
             .around(own)
             .chain([own])
-            .map(|pixel| (pixel, start.towards(st, raster.centre(pixel)), seed.path.clone(), true))
+            .map(|pixel| {
+                let guess = start.towards(st, raster.centre(pixel));
+                (pixel, guess, seed.uv, seed.path.clone(), true)
+            })
             .collect();
-        while let Some((pixel, guess, mut path, first)) = queue.pop() {
+        while let Some((pixel, guess, near, mut path, first)) = queue.pop() {
             if self.visited.contains(&pixel)
                 || self.failed.get(&pixel).is_some_and(|&failed| failed >= TRIES)
             {
                 continue;
             }
             let st = raster.centre(pixel);
-            let solution = solve(setup, &mut path, st, guess, ITERATIONS)
+            let solution = solve(setup, &mut path, st, guess, near)
                 .filter(|found| determinant(found.jacobian).signum() == self.sense);
             let Some(solution) = solution else {
                 *self.failed.entry(pixel).or_default() += 1;
@@ -258,7 +264,8 @@ impl Spread {
             let around = 0.5 * cell.extent() + pixel_step[0].max(pixel_step[1]);
             if first || cell.holds(solution.uv, around) {
                 for to in raster.around(pixel).filter(|to| !self.visited.contains(to)) {
-                    queue.push((to, solution.towards(st, raster.centre(to)), path.clone(), false));
+                    let guess = solution.towards(st, raster.centre(to));
+                    queue.push((to, guess, solution.uv, path.clone(), false));
                 }
             }
             if solution.in_image() {

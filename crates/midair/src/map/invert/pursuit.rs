@@ -4,7 +4,7 @@
 //! a sheet goes on beyond a cell and nobody answers for it there, it is followed from pixel to pixel until it ends.
 
 use super::cell::{Cell, Sample};
-use super::newton::{ITERATIONS, determinant, solve};
+use super::newton::{determinant, solve};
 use super::patch::Patch;
 use super::pixels::{Lead, Point, Raster, SAME};
 use crate::transport::Setup;
@@ -48,7 +48,7 @@ pub(super) fn pursue(
                 continue;
             }
             let mut path = lead.path.clone();
-            if let Some(next) = solve(setup, &mut path, raster.centre(to), guess, ITERATIONS)
+            if let Some(next) = solve(setup, &mut path, raster.centre(to), guess, solution.uv)
                 && next.in_image()
                 && determinant(next.jacobian).signum() == sense
             {
