@@ -3,12 +3,14 @@
 //! ```text
 //! cargo xtask test [--only STEP]     install what tests need, then run them all
 //! cargo xtask bench [--quick]        the table of times and memory, as Markdown
+//! cargo xtask campaign [--count N]   the maps of random set-ups, judged by brute force
 //! cargo xtask pictures               remake the pictures of the README and the book
 //! cargo xtask reference              bring the book's tables of keys and commands up to date
 //! ```
 
 mod bench;
 mod book;
+mod campaign;
 #[cfg(test)]
 mod citations;
 mod pictures;
@@ -36,6 +38,8 @@ enum Task {
     Test(test::Options),
     /// Print the table of times and memory, as Markdown.
     Bench(bench::Options),
+    /// Judge the maps of random set-ups by brute force.
+    Campaign(campaign::Options),
     /// Remake the pictures of the README and the book.
     Pictures,
     /// Bring the book's tables of keys and commands up to date.
@@ -52,6 +56,7 @@ fn main() -> ExitCode {
     let outcome = match Arguments::parse().task {
         Task::Test(options) => test::run(&options),
         Task::Bench(options) => bench::run(&options).map(|()| true),
+        Task::Campaign(options) => campaign::run(&options),
         Task::Pictures => pictures::run().map(|()| true),
         Task::Reference => reference::write().map(|()| true),
     };

@@ -53,8 +53,8 @@ fn point_colour(point: ImagePoint) -> [u8; 3] {
 const STATUSES: [(Status, [u8; 3], &str); 4] = [
     (Status::Ok, GREEN, "ok: shows one image point"),
     (Status::Folded, YELLOW, "folded: seen at several image points"),
-    (Status::Outside, DARK, "outside: never seen in the image"),
-    (Status::Blocked, VERMILION, "blocked: its path ends early"),
+    (Status::Outside, DARK, "outside: no image point asks for it"),
+    (Status::Blocked, SKY, "blocked: its light goes past the plate"),
 ];
 
 /// Draws both sides. `parts` names the formation's kinds.

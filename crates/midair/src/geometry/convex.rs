@@ -167,7 +167,9 @@ impl Convex {
         match (self.meetings(ray), crossing) {
             (Meetings::Chord { middle, half }, Crossing::Enter) => middle - half,
             (Meetings::Chord { middle, half }, Crossing::Leave) => middle + half,
-            (Meetings::Quadratic([a, b, c]), crossing) => quadratic_root(a, b, c, crossing),
+            (Meetings::Quadratic { middle, terms: [a, b, c] }, crossing) => {
+                middle + quadratic_root(a, b, c, crossing)
+            }
             (Meetings::None, _) => T::constant(f64::NAN),
         }
     }
@@ -176,37 +178,44 @@ impl Convex {
     fn curved_roots(&self, ray: &Ray) -> [f64; 2] {
         match self.meetings(ray) {
             Meetings::Chord { middle, half } => [middle - half, middle + half],
-            Meetings::Quadratic([a, b, c]) => quadratic_roots(a, b, c),
+            Meetings::Quadratic { middle, terms: [a, b, c] } => {
+                quadratic_roots(a, b, c).map(|t| middle + t)
+            }
             Meetings::None => [f64::NAN; 2],
         }
     }
 
     #[inline(always)]
     fn meetings<T: Real>(&self, ray: &Ray<T>) -> Meetings<T> {
-        let (o, d) = (ray.origin, ray.direction);
+        let d = ray.direction;
+        if let Self::Box { .. } = self {
+            return Meetings::None;
+        }
+        // By way of the closest approach to the middle: from far away the digits that tell a grazing ray's roots apart would cancel.
+        let along = ray.origin.dot(d);
+        let o = ray.origin - d.scaled(along);
+        let middle = -along;
         match *self {
             Self::Sphere { radius } => {
-                // By way of the closest approach: no cancellation for a small or far sphere.
-                let along = o.dot(d);
-                let closest = o - d.scaled(along);
-                let half = (T::constant(radius * radius) - closest.squared_length()).sqrt();
-                Meetings::Chord { middle: -along, half }
+                let half = (T::constant(radius * radius) - o.squared_length()).sqrt();
+                Meetings::Chord { middle, half }
             }
             Self::Ellipsoid { radii } => {
                 let shrink = |v: Vec3<T>| {
                     Vec3::new(v.x * radii.x.recip(), v.y * radii.y.recip(), v.z * radii.z.recip())
                 };
                 let (o, d) = (shrink(o), shrink(d));
-                Meetings::Quadratic([d.dot(d), o.dot(d), o.dot(o) - 1.0])
+                Meetings::Quadratic { middle, terms: [d.dot(d), o.dot(d), o.dot(o) - 1.0] }
             }
             Self::Frustum { middle_radius, slope, .. } => {
                 let radius = o.y * slope + middle_radius;
                 let change = d.y * slope;
-                Meetings::Quadratic([
+                let terms = [
                     d.x * d.x + d.z * d.z - change * change,
                     o.x * d.x + o.z * d.z - radius * change,
                     o.x * o.x + o.z * o.z - radius * radius,
-                ])
+                ];
+                Meetings::Quadratic { middle, terms }
             }
             Self::Box { .. } => Meetings::None,
         }
@@ -330,8 +339,8 @@ impl Convex {
 enum Meetings<T> {
     /// Half a chord before and behind its middle.
     Chord { middle: T, half: T },
-    /// Roots of a t^2 + 2 b t + c = 0.
-    Quadratic([T; 3]),
+    /// Roots of a t^2 + 2 b t + c = 0, t from the line's closest approach on.
+    Quadratic { middle: T, terms: [T; 3] },
     /// Nowhere.
     None,
 }

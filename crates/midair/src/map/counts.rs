@@ -11,9 +11,9 @@ pub struct Counts {
     pub ok: usize,
     /// With several.
     pub folded: usize,
-    /// Whose light never reaches the image.
+    /// That no image point asks for.
     pub outside: usize,
-    /// Whose path ends early.
+    /// That an image point asks for, past the plate's edge.
     pub blocked: usize,
 }
 

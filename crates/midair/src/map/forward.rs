@@ -10,8 +10,9 @@ use rayon::prelude::*;
 /// coordinates st.
 ///
 /// A point is `Ok` where it is formed, `Folded` where its display pixel serves other image points as well (which `map`,
-/// the set-up's G, knows), `Outside` where its path passes the display's edge, and `Blocked` where the path ends early. The
-/// error bound is 0: nothing is approximated.
+/// the set-up's G, knows), `Outside` where its path gets through and goes past the display (a larger display, or another place, would
+/// form it), and `Blocked` where something on the way ends it: the plate's edge or back, total internal reflection, too
+/// many interactions. The error bound is 0: nothing is approximated.
 pub fn forward(setup: &Setup, map: &Map, [width, height]: [usize; 2]) -> Map {
     let (uv, status) = (0..width * height)
         .into_par_iter()
@@ -36,6 +37,35 @@ mod tests {
     use super::*;
     use crate::map::{Accuracy, formation, invert, reversed};
     use crate::transport::bench_setup::{ACRYLIC, block, element, setup, sphere};
+
+    /// By hand, with no element: the display shows the image point at its own place, and the plate is crossed 150 mm behind the image, which
+    /// the eye sees from 800 mm.
+    #[test]
+    fn what_is_outside_and_what_is_blocked_is_told_by_what_is_too_small() {
+        let count = |setup: &crate::transport::Setup| {
+            let (map, _) = invert(setup, Accuracy::default());
+            let forward = forward(setup, &map, [100, 100]);
+            [&map, &forward].map(|map| {
+                [Status::Ok, Status::Outside, Status::Blocked]
+                    .map(|status| map.status.iter().filter(|&&s| s == status).count())
+            })
+        };
+        let mut display = setup(40.0, vec![]);
+        display.resolution = [100, 100];
+        let (mut plate, mut large) = (display.clone(), display.clone());
+        // Half of the image has its place on a display half as wide.
+        display.display.size[0] = 20.0;
+        assert_eq!(count(&display), [[10_000, 0, 0], [5_000, 5_000, 0]]);
+        // Of a display twice as wide half is asked for.
+        large.display.size[0] = 80.0;
+        assert_eq!(count(&large), [[5_000, 5_000, 0], [10_000, 0, 0]]);
+        // 23.75 mm of the plate are 20 mm of the image, and a fortieth more or less at its edges, as the plate is tilted. Either side
+        // lacks the same answers, because of the plate.
+        plate.plate.rectangle.size[0] = 23.75;
+        let [map, forward] = count(&plate);
+        assert_eq!(map, forward);
+        assert!(map[1] == 0 && map[2].abs_diff(5_000) < 100, "{map:?}");
+    }
 
     #[test]
     fn the_transport_and_the_reversed_map_agree() {

@@ -1,17 +1,21 @@
 //! The map G as data.
 
-/// What a display pixel is for.
+/// What a map says of a sample: of a display pixel (G), or of an image pixel (F as a map). What has no answer is told apart by what
+/// would have to be changed to give it one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 #[repr(u8)]
 pub enum Status {
-    /// One image point, error bound met.
+    /// One image point and one display point belong together, error bound met.
     Ok = 0,
-    /// Several image points reach this pixel (a caustic); one of them is shown.
+    /// Several image points share a display pixel (a caustic); of a display pixel's one is shown.
     Folded = 1,
-    /// The pixel's light never reaches the image seen from the viewpoint.
+    /// Nothing is in the way, but no path joins it to the other side's rectangle: a display pixel that no image point asks for, an
+    /// image point whose path goes past the display. Place and size of the display (or the image) decide it.
     #[default]
     Outside = 2,
-    /// The path ends: total internal reflection, missed plate, plate or display edge.
+    /// Something on the way cuts its path short, and that would have to be changed: the plate's edge, past which the path of the
+    /// image point that asks for this display pixel goes; for an image point also total internal reflection, the plate's back, or
+    /// the limit on interactions.
     Blocked = 3,
 }
 

@@ -316,6 +316,59 @@ proptest! {
     }
 }
 
+/// Where water and air touch light goes from one to the other at once: no glass comes between, in whichever order they are listed
+/// and ranked, and whatever rounding says.
+#[test]
+fn media_that_touch_have_nothing_between() {
+    let solid = |index: f64| Matter::Refractive { index, absorption: [0.0; 3] };
+    let mut crossings = 0;
+    for k in 0..4000 {
+        let share = |factor: f64| (k as f64 * factor).fract();
+        let (listed, ranked) = (k % 2 == 0, k / 2 % 2 == 0);
+        let surface = 10.0 + 10.0 * share(0.819_172_5);
+        let ranks = if ranked { [1, 2] } else { [2, 1] };
+        let solid_of = |index, low: f64, high: f64, rank| {
+            let middle = [0.0, 0.5 * (low + high), 0.0];
+            element(cylinder(34.0, high - low), solid(index), middle, [0.0; 3], rank)
+        };
+        let mut elements = vec![
+            element(cylinder(36.0, 100.0), solid(1.5), [0.0; 3], [0.0; 3], 0),
+            solid_of(1.333, -40.0, surface, ranks[0]),
+            solid_of(1.0, surface, 60.0, ranks[1]),
+        ];
+        if listed {
+            elements.reverse();
+        }
+        let mut setup = setup(60.0, elements);
+        setup.viewpoint.y = 200.0;
+        let mut path = Path::new();
+        setup.transport([share(0.754_877_7), share(0.569_840_3)], &mut path);
+        let at_surface = |step: &Step| {
+            let index = match setup.elements[usize::from(step.element)].matter {
+                Matter::Refractive { index, .. } => index,
+                Matter::Mirror { .. } => 0.0,
+            };
+            step.action != Action::Plate && step.face != 0 && index < 1.5
+        };
+        for pair in path.windows(2) {
+            if pair.iter().all(at_surface) && pair[0].element != pair[1].element {
+                let bends = pair.iter().filter_map(|step| match step.action {
+                    Action::Refract { eta } => Some(eta),
+                    _ => None,
+                });
+                let bends: Vec<f64> = bends.collect();
+                assert!(
+                    bends.len() == 1 && (bends[0] * 1.333 - 1.0).abs() < 1e-12,
+                    "air over water, once: {path:?}"
+                );
+                assert!(pair.iter().any(|step| step.action == Action::Pass), "{path:?}");
+                crossings += 1;
+            }
+        }
+    }
+    assert!(crossings > 500, "{crossings}");
+}
+
 /// A finely tessellated ball, smooth normals: 0.5 degrees between vertices.
 pub(crate) fn ball_mesh(radius: f64, smooth: bool) -> MeshSurface {
     ball_mesh_of(radius, smooth, 180, 360)

@@ -15,9 +15,9 @@ pub struct Walk {
     standing: Option<Step>,
 }
 
-/// Surfaces that coincide (water in its glass) are met in the order of their parities, not of their rounding: a
-/// hit this little behind the start still counts, if the path is on the side that it asks for. 1e-9 mm is
-/// a thousand times the rounding of coordinates of a metre, and far below anything optical.
+/// Surfaces nearer to each other than this along a ray coincide (water in its glass). Which of them comes first is told by
+/// [`Setup::order`], not by rounding, and a hit this little behind the start still counts, if the path is on the side that it
+/// asks for. 1e-9 mm is a thousand times the rounding of coordinates of a metre, and far below anything optical.
 const COINCIDENT: f64 = 1e-9;
 
 impl Walk {
@@ -88,7 +88,7 @@ impl Setup {
     }
 
     /// The element that the path meets first, nearer than `limit`.
-    fn nearest(&self, walk: &Walk, mut limit: f64) -> Option<(usize, Hit)> {
+    fn nearest(&self, walk: &Walk, limit: f64) -> Option<(usize, Hit)> {
         let mut best: Option<(usize, Hit)> = None;
         for (index, element) in self.elements.iter().enumerate() {
             let stands_here = walk.standing.filter(|s| usize::from(s.element) == index);
@@ -114,12 +114,29 @@ impl Setup {
             };
             if let Some(hit) = element.shape.nearest(&walk.ray.to_local(&element.frame), search)
                 && hit.t < limit
+                && best.is_none_or(|(other, first)| {
+                    let behind = hit.t - first.t;
+                    behind < -COINCIDENT
+                        || behind <= COINCIDENT && self.order(index, hit) < self.order(other, first)
+                })
             {
-                limit = hit.t;
                 best = Some((index, hit));
             }
         }
         best
+    }
+
+    /// In which order surfaces that coincide are met, the least first: so that all rays through them take the same path, and
+    /// light goes from medium to medium at once, without a film of nothing between. A mirror on a solid's face is the solid's
+    /// silvering. A solid is entered before another one is left (water, and the air on it, touch: no glass comes between);
+    /// the higher-ranked one is entered first and left last.
+    fn order(&self, index: usize, hit: Hit) -> (u8, u8) {
+        let Element { matter, rank, .. } = self.elements[index];
+        match (matter, hit.crossing) {
+            (Matter::Mirror { .. }, _) => (0, 0),
+            (Matter::Refractive { .. }, Crossing::Enter) => (1, u8::MAX - rank),
+            (Matter::Refractive { .. }, Crossing::Leave) => (2, rank),
+        }
     }
 
     /// The solid that fills the place inside these solids (a bit for each rank); `None` in the open.

@@ -1,9 +1,13 @@
 //! A rectangle of the image that is inverted on its own.
 
+use super::newton::apply_inverse;
 use super::tally::count_ray;
 use crate::transport::{End, Path, Setup};
 
-/// A half-open rectangle of image coordinates.
+/// Solutions this close to a cell count as its own: far more than what they err, far less than a pixel.
+const SEAM: f64 = 1e-9;
+
+/// A rectangle of image coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Cell {
     pub low: [f64; 2],
@@ -25,6 +29,21 @@ impl Cell {
             Self { low: [a, y], high: [x, d] },
             Self { low: [x, y], high: [c, d] },
         ]
+    }
+
+    /// The image points that the cell answers for, lower left and upper right: its own and those within `margin` of it, so that no
+    /// rounding leaves a seam between cells, but none beyond the image's edge.
+    pub fn claimed(&self, margin: f64) -> [[f64; 2]; 2] {
+        [
+            self.low.map(|c| if c > 0.0 { c - margin } else { c }),
+            self.high.map(|c| if c < 1.0 { c + margin } else { c }),
+        ]
+    }
+
+    /// Whether a solution belongs to the cell: see [`Cell::claimed`].
+    pub fn claims(&self, uv: [f64; 2]) -> bool {
+        let [low, high] = self.claimed(SEAM);
+        (0..2).all(|axis| uv[axis] >= low[axis] && uv[axis] <= high[axis])
     }
 
     /// Whether a point lies in the cell or within `margin` of it.
@@ -68,17 +87,27 @@ impl Sample {
         }
     }
 
-    /// Whether its light arrives at this place, to a hundred times what Newton's method leaves.
-    pub fn reaches(&self, st: [f64; 2]) -> bool {
-        self.arrives().is_some_and(|(at, _)| (at[0] - st[0]).hypot(at[1] - st[1]) < 1e-9)
+    /// Whether it is the solution that it was traced from: its light arrives at the solution's place `st`, to a hundred times what
+    /// Newton's method leaves. Where F is so steep that rounding alone leaves more (`jacobian` tells), it is enough to be exact to a tenth
+    /// of the tolerance in the image, and within a hundredth of a pixel (`pixel` is its size in st) on the display.
+    pub fn reaches(&self, st: [f64; 2], jacobian: [[f64; 2]; 2], pixel: [f64; 2]) -> bool {
+        const EXACT: f64 = 1e-9;
+        let Some((at, _)) = self.arrives() else { return false };
+        let off = [at[0] - st[0], at[1] - st[1]];
+        let in_image = apply_inverse(jacobian, off);
+        off[0].hypot(off[1]) < EXACT
+            || in_image[0].hypot(in_image[1]) < 1e-7
+                && (0..2).all(|axis| off[axis].abs() < 0.01 * pixel[axis])
     }
 
-    /// Whether both lie on the same branch.
+    /// Whether both lie on the same branch. Light that does not arrive has its branches, too: between two of them there may be
+    /// one that arrives.
     pub fn same_branch(&self, other: &Self) -> bool {
-        match (self.arrives(), other.arrives()) {
-            (Some((_, a)), Some((_, b))) => a == b && self.path == other.path,
-            (None, None) => true,
+        let ends_alike = match (self.arrives(), other.arrives()) {
+            (Some((_, a)), Some((_, b))) => a == b,
+            (None, None) => self.end == other.end,
             _ => false,
-        }
+        };
+        ends_alike && self.path == other.path
     }
 }

@@ -2,7 +2,7 @@
 //! polynomial holds over more than a few pixels, and each pixel is solved by itself.
 
 use super::cell::{Cell, Sample};
-use super::fill::{SOLVED, clear, hide_blocked};
+use super::fill::{clear, hide_blocked};
 use super::newton::{apply_inverse, solve};
 use super::pixels::{Point, Raster, SAME};
 use super::row::{Row, enter, from_centre};
@@ -23,8 +23,6 @@ const ROUND: usize = 32;
 /// A cell that is not smooth is quartered this often: to half a pixel. What lies between its corners then is less than a
 /// pixel of the image; a scanned mesh, whose bumps fold the image a hundredfold, is left at that.
 const FINE: usize = 2;
-/// Newton steps: from a guess that is good to a fraction of a cell three do, and over creases five.
-const FEW: usize = 6;
 
 /// Fills the map by a grid of cells over the whole image; returns how many image points were found and the rays that they took.
 ///
@@ -43,6 +41,7 @@ pub(super) fn solve_densely(setup: &Setup, raster: Raster, map: &mut Map) -> (us
 
     clear(&mut map.uv, &mut map.status);
     let (mut solved, mut rays) = (0, 0);
+    let mut errors = vec![0.0f32; map.uv.len()];
     for round in tiles.chunks(ROUND) {
         let known = Known { setup, raster, map };
         let solve = |&[first, bottom]: &[usize; 2]| {
@@ -72,11 +71,14 @@ pub(super) fn solve_densely(setup: &Setup, raster: Raster, map: &mut Map) -> (us
             for point in points {
                 let at = point.row as usize * raster.width + point.column as usize;
                 enter(&mut map.uv[at], &mut map.status[at], point.uv, point.blocked);
+                errors[at] = errors[at].max(point.error);
             }
         }
     }
     hide_blocked(Row { uv: &mut map.uv, status: &mut map.status });
-    map.error_bound = SOLVED;
+    // Where several answers meet none is the exact one.
+    let errors = errors.iter().zip(&map.status).filter(|(_, status)| **status == Status::Ok);
+    map.error_bound = errors.fold(0.0, |worst, (&error, _)| worst.max(f64::from(error)));
     (solved, rays)
 }
 
@@ -141,7 +143,7 @@ impl Known<'_> {
             }
             let target = pixel_centre(column, row, self.raster.width, self.raster.height);
             let mut path = corner.path.clone();
-            let Some(solution) = solve(self.setup, &mut path, target, corner.uv, FEW) else {
+            let Some(solution) = solve(self.setup, &mut path, target, corner.uv, corner.uv) else {
                 continue;
             };
             let uv = solution.uv;
@@ -149,13 +151,21 @@ impl Known<'_> {
                 (p.column as usize, p.row as usize) == (column, row)
                     && (p.uv[0] - uv[0]).hypot(p.uv[1] - uv[1]) < SAME
             };
-            if !cell.holds(uv, 1e-9) || points[known..].iter().any(again) {
+            if !cell.claims(uv) || points[known..].iter().any(again) {
                 continue;
             }
             let found = Sample::take(self.setup, uv);
-            if found.same_branch(corner) && found.reaches(target) {
-                let (column, row) = (column as u32, row as u32);
-                points.push(Point { column, row, uv, blocked: !through_plate });
+            let reaches = found.reaches(target, solution.jacobian, self.raster.pixel());
+            if found.same_branch(corner) && reaches {
+                let pixel = (column, row);
+                points.push(Point::new(
+                    self.setup,
+                    self.raster,
+                    pixel,
+                    &solution,
+                    &mut path,
+                    !through_plate,
+                ));
             }
         }
     }
@@ -190,18 +200,20 @@ impl Known<'_> {
                 }
                 let guess = [0, 1]
                     .map(|axis| cell.low[axis] + share[axis] * (cell.high[axis] - cell.low[axis]));
-                let Some(solution) = solve(self.setup, &mut path, target, guess, FEW) else {
+                let Some(solution) = solve(self.setup, &mut path, target, guess, guess) else {
                     // It may have strayed far over the mesh.
                     path.clone_from(&corner.path);
                     continue;
                 };
-                if cell.holds(solution.uv, 1e-9) {
-                    points.push(Point {
-                        column: column as u32,
-                        row: row as u32,
-                        uv: solution.uv,
-                        blocked: !through_plate,
-                    });
+                if cell.claims(solution.uv) {
+                    points.push(Point::new(
+                        self.setup,
+                        self.raster,
+                        (column, row),
+                        &solution,
+                        &mut path,
+                        !through_plate,
+                    ));
                 }
             }
         }

@@ -1,18 +1,16 @@
 //! Entering the cells' answers into the display's pixels.
 
+use super::Effort;
 use super::patch::Patch;
 use super::pixels::{Point, Raster};
+use super::plan::Pieces;
 use super::row::{Row, Stretch, enter};
-use super::{Effort, Leaf};
 use crate::map::{Map, Status, pixel_centre};
 use rayon::prelude::*;
 use std::ops::Range;
 
 /// Rows of pixels that one thread fills at a time: with 1024 columns, 17 bytes a pixel, they stay in its cache.
 const BAND: usize = 16;
-
-/// The bound of pixels that are solved by themselves: what Newton's method leaves.
-pub(super) const SOLVED: f64 = 1e-12;
 
 /// The answers of all cells, in the order in which rows ask for them.
 #[derive(Debug)]
@@ -26,17 +24,12 @@ pub(super) struct Answers {
 }
 
 impl Answers {
-    pub fn new(leaves: Vec<Leaf>, raster: Raster) -> Self {
-        let (mut patches, mut points) = (Vec::new(), Vec::new());
-        for leaf in leaves {
-            match leaf {
-                Leaf::Patch(patch) => {
-                    let reached = raster.pixels_in(patch.rect);
-                    patches.push((patch, reached));
-                }
-                Leaf::Points(found) => points.extend(found),
-            }
-        }
+    pub fn new(Pieces { patches, mut points }: Pieces, raster: Raster) -> Self {
+        let reached = |patch: Patch| {
+            let reached = raster.pixels_in(patch.rect);
+            (patch, reached)
+        };
+        let patches: Vec<_> = patches.into_iter().map(reached).collect();
         points.sort_unstable_by_key(|p: &Point| p.row);
         let any_blocked =
             patches.iter().any(|(patch, _)| patch.blocked) || points.iter().any(|p| p.blocked);
@@ -48,8 +41,12 @@ impl Answers {
         Effort { patches: self.patches.len(), solved_pixels: self.points.len(), rays }
     }
 
-    pub fn error_bound(&self) -> f64 {
-        self.patches.iter().fold(SOLVED, |worst, (patch, _)| worst.max(patch.error))
+    /// The bound of a map that these answers filled: the patches', and that of each pixel which has one answer and has it from a
+    /// point.
+    fn error_bound(&self, map: &Map) -> f64 {
+        let of_patches = self.patches.iter().map(|(patch, _)| patch.error);
+        let of_points = self.points.iter().filter_map(|point| point.error_in(map));
+        of_patches.chain(of_points).fold(0.0, f64::max)
     }
 
     /// Fills the map, a band of rows at a time, so that each pixel is written to memory once.
@@ -59,7 +56,7 @@ impl Answers {
         bands.enumerate().for_each(|(index, (uv, status))| {
             self.enter(index * BAND, Row { uv, status });
         });
-        map.error_bound = self.error_bound();
+        map.error_bound = self.error_bound(map);
     }
 
     /// Fills whole rows of the map, from row `first` on.
@@ -122,7 +119,7 @@ fn fill_row<'a>(
         let step = patch.scaled(s + 1.0 / raster.width as f64, 0) - start;
         // Seams between cells: both may claim a pixel (that is told by their equal answers), none may leave it out.
         let margin = 2.0 * patch.tolerance;
-        let within = [patch.cell.low.map(|c| c - margin), patch.cell.high.map(|c| c + margin)];
+        let within = patch.cell.claimed(margin);
         let (uv, status) = (&mut uv[columns.clone()], &mut status[columns.clone()]);
         let polynomial = patch.row(patch.scaled(t, 1));
         let stretch = Stretch { start, step, within, blocked: patch.blocked };

@@ -54,10 +54,10 @@ impl Inverse {
     pub fn new(setup: &Setup, accuracy: Accuracy) -> Self {
         let [width, height] = setup.resolution;
         let raster = Raster { width, height };
-        let (leaves, rays) = plan(setup, raster, accuracy.tolerance);
-        match leaves {
-            Some(leaves) => {
-                let answers = Answers::new(leaves, raster);
+        let (pieces, rays) = plan(setup, raster, accuracy.tolerance);
+        match pieces {
+            Some(pieces) => {
+                let answers = Answers::new(pieces, raster);
                 let effort = answers.effort(rays);
                 Self { raster, found: Found::Answers(answers), effort }
             }

@@ -8,6 +8,7 @@
 //! pixels solved one by one on every branch that reaches them. Each image point belongs to exactly one cell, so
 //! counting a pixel's answers tells the folded ones.
 
+mod between;
 mod cell;
 mod dense;
 mod fill;
@@ -16,6 +17,7 @@ mod newton;
 mod patch;
 mod pixels;
 mod plan;
+mod pursuit;
 mod row;
 mod survey;
 mod tally;
@@ -26,7 +28,7 @@ use cell::Cell;
 use dense::solve_densely;
 use fill::Answers;
 use pixels::Raster;
-use plan::{Leaf, plan};
+use plan::plan;
 
 pub use inverse::{Inverse, InverseRows};
 
@@ -77,12 +79,12 @@ pub fn invert(setup: &Setup, accuracy: Accuracy) -> (Map, Effort) {
 /// [`invert`] into a map that is already there, of any size: its memory is used again.
 pub fn invert_into(setup: &Setup, accuracy: Accuracy, map: &mut Map) -> Effort {
     let raster = Raster { width: map.width, height: map.height };
-    let (leaves, rays) = plan(setup, raster, accuracy.tolerance);
-    let Some(leaves) = leaves else {
+    let (pieces, rays) = plan(setup, raster, accuracy.tolerance);
+    let Some(pieces) = pieces else {
         let (solved_pixels, dense) = solve_densely(setup, raster, map);
         return Effort { patches: 0, solved_pixels, rays: rays + dense };
     };
-    let answers = Answers::new(leaves, raster);
+    let answers = Answers::new(pieces, raster);
     answers.fill(map);
     answers.effort(rays)
 }

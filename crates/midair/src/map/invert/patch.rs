@@ -1,7 +1,7 @@
 //! A piece of the map as a polynomial.
 
 use super::Cell;
-use super::newton::{ITERATIONS, Solution, apply_inverse, determinant, solve};
+use super::newton::{apply_inverse, determinant, solve};
 use super::row::{MAX_DEGREE, RowPolynomial, multiply_add};
 use super::tally::count_ray;
 use crate::transport::{Setup, Step};
@@ -49,7 +49,7 @@ impl Patch {
         };
         let mut values = vec![[0.0; 2]; n * n];
         let centre = cell.centre();
-        let mut near = solve(setup, path, place(nodes[0], nodes[0]), centre, ITERATIONS)?;
+        let mut near = solve(setup, path, place(nodes[0], nodes[0]), centre, centre)?;
         let mut near_st = place(nodes[0], nodes[0]);
         let orientation = determinant(near.jacobian).signum();
         for (row, &t) in nodes.iter().enumerate() {
@@ -57,7 +57,7 @@ impl Patch {
                 // To and fro, so that each node's neighbour is its start.
                 let column = if row % 2 == 0 { k } else { n - 1 - k };
                 let st = place(nodes[column], t);
-                near = solve(setup, path, st, extrapolate(&near, near_st, st), ITERATIONS)?;
+                near = solve(setup, path, st, near.towards(near_st, st), near.uv)?;
                 near_st = st;
                 if determinant(near.jacobian).signum() != orientation {
                     return None;
@@ -134,6 +134,11 @@ impl Patch {
         (2.0 * st - low - high) / (high - low)
     }
 
+    /// Its answer at a place of the display.
+    pub fn at(&self, [s, t]: [f64; 2]) -> [f64; 2] {
+        self.row(self.scaled(t, 1)).at(self.scaled(s, 0))
+    }
+
     /// The row's polynomials at `t` in [-1, 1].
     pub fn row(&self, t: f64) -> RowPolynomial {
         let n = self.degree + 1;
@@ -151,11 +156,6 @@ impl Patch {
         }
         row
     }
-}
-
-fn extrapolate(near: &Solution, near_st: [f64; 2], st: [f64; 2]) -> [f64; 2] {
-    let step = apply_inverse(near.jacobian, [st[0] - near_st[0], st[1] - near_st[1]]);
-    [near.uv[0] + step[0], near.uv[1] + step[1]]
 }
 
 /// Node k of n: a zero of the Chebyshev polynomial T_n.

@@ -1,11 +1,11 @@
 //! Solving pixels one by one, where a cell is cut by a border, folded, or small.
 
 use super::cell::{Cell, Sample};
-use super::newton::{ITERATIONS, apply_inverse, determinant, solve};
+use super::newton::{Solution, apply_inverse, determinant, solve};
 use super::tally::count_ray;
-use crate::map::{pixel_at, pixel_centre};
-use crate::transport::Setup;
-use std::collections::HashSet;
+use crate::map::{Map, Status, pixel_at, pixel_centre};
+use crate::transport::{Path, Setup, Step};
+use std::collections::{HashMap, HashSet};
 
 /// One image point that reaches a pixel.
 #[derive(Clone, Copy, Debug)]
@@ -13,12 +13,35 @@ pub(super) struct Point {
     pub column: u32,
     pub row: u32,
     pub uv: [f64; 2],
+    /// Bound of |uv - exact|.
+    pub error: f32,
     pub blocked: bool,
 }
 
 impl Point {
-    fn pixel(&self, raster: Raster) -> [f64; 2] {
-        pixel_centre(self.column as usize, self.row as usize, raster.width, raster.height)
+    /// A solution as a pixel's answer; `path` is its own.
+    pub fn new(
+        setup: &Setup,
+        raster: Raster,
+        pixel: (usize, usize),
+        solution: &Solution,
+        path: &mut [Step],
+        blocked: bool,
+    ) -> Self {
+        let error = solution.error(setup, path, raster.centre(pixel)) as f32;
+        Self {
+            column: pixel.0 as u32,
+            row: pixel.1 as u32,
+            uv: solution.uv,
+            error: error.next_up(),
+            blocked,
+        }
+    }
+
+    /// Its error, if it is the one answer of its pixel.
+    pub fn error_in(&self, map: &Map) -> Option<f64> {
+        let at = self.row as usize * map.width + self.column as usize;
+        (map.status[at] == Status::Ok && !self.blocked).then_some(f64::from(self.error))
     }
 }
 
@@ -61,6 +84,29 @@ impl Raster {
         Some(clipped)
     }
 
+    /// A pixel's size in st.
+    pub fn pixel(&self) -> [f64; 2] {
+        [1.0 / self.size(0), 1.0 / self.size(1)]
+    }
+
+    /// The place of a pixel's centre.
+    pub fn centre(&self, (column, row): (usize, usize)) -> [f64; 2] {
+        pixel_centre(column, row, self.width, self.height)
+    }
+
+    /// The pixels that share a side with one.
+    pub fn around(&self, (column, row): (usize, usize)) -> impl Iterator<Item = (usize, usize)> {
+        let Self { width, height } = *self;
+        [
+            (column.wrapping_sub(1), row),
+            (column + 1, row),
+            (column, row.wrapping_sub(1)),
+            (column, row + 1),
+        ]
+        .into_iter()
+        .filter(move |&(x, y)| x < width && y < height)
+    }
+
     /// Column and row of the pixel nearest to a place.
     pub fn nearest(&self, st: [f64; 2]) -> (usize, usize) {
         pixel_at(st, self.width, self.height)
@@ -81,6 +127,26 @@ impl Raster {
 /// through meshes) may err.
 pub(super) const SAME: f64 = 2.5e-5;
 
+/// A solution that belongs to another cell than the one that was searched: a branch goes on there.
+#[derive(Clone, Debug)]
+pub(super) struct Lead {
+    pub pixel: (usize, usize),
+    pub solution: Solution,
+    pub path: Path,
+    pub through_plate: bool,
+}
+
+/// What was found in a cell that is solved pixel by pixel.
+#[derive(Debug, Default)]
+pub(super) struct Solved {
+    pub points: Vec<Point>,
+    /// Where branches go on beyond the cell.
+    pub leads: Vec<Lead>,
+}
+
+/// More branches than so many samples find in one small cell are noise (the vertex of a faceted crystal).
+const MOST_SEEDS: usize = 2000;
+
 /// All image points of `cell` that reach pixels, on the branches of the samples and, if `cut` (a border may run through
 /// the cell), on those that turn up.
 pub(super) fn solve_pixels(
@@ -89,14 +155,13 @@ pub(super) fn solve_pixels(
     cell: Cell,
     samples: &[Sample],
     cut: bool,
-) -> Vec<Point> {
+) -> Solved {
     let mut seeds: Vec<Sample> =
         samples.iter().filter(|s| s.arrives().is_some()).cloned().collect();
     let mut spreads: Vec<Spread> = Vec::new();
-    let mut points: Vec<Point> = Vec::new();
+    let mut solved = Solved::default();
     let mut next = 0;
-    // Far more branches in one small cell are noise (the vertex of a faceted crystal).
-    while next < seeds.len().min(256) {
+    while next < seeds.len().min(MOST_SEEDS) {
         let mut seed = seeds[next].clone();
         next += 1;
         let Some((_, through_plate)) = seed.arrives() else { continue };
@@ -105,24 +170,35 @@ pub(super) fn solve_pixels(
         let sense = determinant(jacobian).signum();
         let of_seed = |s: &Spread| s.sense == sense && s.branch.same_branch(&seed);
         let index = spreads.iter().position(of_seed).unwrap_or_else(|| {
-            spreads.push(Spread { branch: seed.clone(), sense, visited: HashSet::new() });
+            spreads.push(Spread::new(seed.clone(), sense));
             spreads.len() - 1
         });
-        for solved in spreads[index].run(setup, raster, cell, &seed) {
-            let point = Point { blocked: !through_plate, ..solved };
-            if cut {
-                let found = Sample::take(setup, point.uv);
-                if !(found.same_branch(&seed) && found.reaches(point.pixel(raster))) {
-                    if found.arrives().is_some() && !seeds.iter().any(|s| s.same_branch(&found)) {
+        for mut lead in spreads[index].run(setup, raster, cell, &seed, jacobian) {
+            let within = cell.claims(lead.solution.uv);
+            if within {
+                let found = Sample::take(setup, lead.solution.uv);
+                let st = raster.centre(lead.pixel);
+                let reaches = found.reaches(st, lead.solution.jacobian, raster.pixel());
+                if !(found.same_branch(&seed) && reaches) {
+                    if cut
+                        && found.arrives().is_some()
+                        && !seeds.iter().any(|s| s.same_branch(&found))
+                    {
                         seeds.push(found);
                     }
                     continue;
                 }
             }
-            points.push(point);
+            if within {
+                let Lead { pixel, ref solution, ref mut path, .. } = lead;
+                let point = Point::new(setup, raster, pixel, solution, path, !through_plate);
+                solved.points.push(point);
+            } else if cut {
+                solved.leads.push(lead);
+            }
         }
     }
-    points
+    solved
 }
 
 /// One branch in one sense within a cell, spreading from pixel to pixel.
@@ -130,59 +206,72 @@ struct Spread {
     branch: Sample,
     sense: f64,
     visited: HashSet<(usize, usize)>,
+    /// How often a pixel could not be solved.
+    failed: HashMap<(usize, usize), u32>,
 }
 
+/// So often a pixel is tried from different sides.
+const TRIES: u32 = 4;
+
 impl Spread {
+    fn new(branch: Sample, sense: f64) -> Self {
+        Self { branch, sense, visited: HashSet::new(), failed: HashMap::new() }
+    }
+
     /// Solves the pixels around a seed, each started from its neighbour: where F changes as the root of the distance
     /// to a border, its inverse is smooth, and so on the display's side every step is a short one.
     ///
-    /// Pixels whose image point lies around the cell are passed through, so that a thin region is found whole;
-    /// only those within count.
-    fn run(&mut self, setup: &Setup, raster: Raster, cell: Cell, seed: &Sample) -> Vec<Point> {
-        let mut points = Vec::new();
-        let Some((st, _)) = seed.arrives() else { return points };
-        let start = raster.nearest(st);
-        let mut queue = vec![(start, seed.uv, seed.path.clone())];
-        while let Some((pixel, guess, mut path)) = queue.pop() {
-            if self.visited.contains(&pixel) {
+    /// Pixels whose image point lies around the cell are passed through, so that a thin region is found whole.
+    fn run(
+        &mut self,
+        setup: &Setup,
+        raster: Raster,
+        cell: Cell,
+        seed: &Sample,
+        jacobian: [[f64; 2]; 2],
+    ) -> Vec<Lead> {
+        let mut found = Vec::new();
+        let Some((st, through_plate)) = seed.arrives() else { return found };
+        let start = Solution { uv: seed.uv, jacobian };
+        // The seed's own pixel's centre may lie beyond the border that the seed is near.
+        let own = raster.nearest(st);
+        let mut queue: Vec<_> = raster
+            .around(own)
+            .chain([own])
+            .map(|pixel| {
+                let guess = start.towards(st, raster.centre(pixel));
+                (pixel, guess, seed.uv, seed.path.clone(), true)
+            })
+            .collect();
+        while let Some((pixel, guess, near, mut path, first)) = queue.pop() {
+            if self.visited.contains(&pixel)
+                || self.failed.get(&pixel).is_some_and(|&failed| failed >= TRIES)
+            {
                 continue;
             }
-            let st = pixel_centre(pixel.0, pixel.1, raster.width, raster.height);
-            let Some(solution) = solve(setup, &mut path, st, guess, ITERATIONS) else { continue };
-            if determinant(solution.jacobian).signum() != self.sense {
+            let st = raster.centre(pixel);
+            let solution = solve(setup, &mut path, st, guess, near)
+                .filter(|found| determinant(found.jacobian).signum() == self.sense);
+            let Some(solution) = solution else {
+                *self.failed.entry(pixel).or_default() += 1;
                 continue;
-            }
+            };
             self.visited.insert(pixel);
             // Half a cell, and one pixel: cells may be smaller than those.
             let pixel_step = [[1.0 / raster.size(0), 0.0], [0.0, 1.0 / raster.size(1)]]
                 .map(|step| apply_inverse(solution.jacobian, step))
                 .map(|[u, v]| u.abs().max(v.abs()));
             let around = 0.5 * cell.extent() + pixel_step[0].max(pixel_step[1]);
-            if pixel != start && !cell.holds(solution.uv, around) {
-                continue;
-            }
-            if cell.holds(solution.uv, 1e-9) {
-                let (column, row) = (pixel.0 as u32, pixel.1 as u32);
-                points.push(Point { column, row, uv: solution.uv, blocked: false });
-            }
-            let mut push = |column: Option<usize>, row: Option<usize>| {
-                if let (Some(column), Some(row)) = (column, row)
-                    && column < raster.width
-                    && row < raster.height
-                    && !self.visited.contains(&(column, row))
-                {
-                    let to = pixel_centre(column, row, raster.width, raster.height);
-                    let step = apply_inverse(solution.jacobian, [to[0] - st[0], to[1] - st[1]]);
-                    let guess = [solution.uv[0] + step[0], solution.uv[1] + step[1]];
-                    queue.push(((column, row), guess, path.clone()));
+            if first || cell.holds(solution.uv, around) {
+                for to in raster.around(pixel).filter(|to| !self.visited.contains(to)) {
+                    let guess = solution.towards(st, raster.centre(to));
+                    queue.push((to, guess, solution.uv, path.clone(), false));
                 }
-            };
-            let (x, y) = pixel;
-            push(x.checked_sub(1), Some(y));
-            push(Some(x + 1), Some(y));
-            push(Some(x), y.checked_sub(1));
-            push(Some(x), Some(y + 1));
+            }
+            if solution.in_image() {
+                found.push(Lead { pixel, solution, path, through_plate });
+            }
         }
-        points
+        found
     }
 }

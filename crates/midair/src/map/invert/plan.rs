@@ -1,20 +1,22 @@
 //! Cutting the image into cells on which the inverse is known.
 
+use super::between::Between;
 use super::cell::{Cell, Sample};
 use super::patch::Patch;
-use super::pixels::{Point, Raster, solve_pixels};
+use super::pixels::{Point, Raster, SAME, Solved, solve_pixels};
+use super::pursuit::pursue;
 use super::survey::{CELLS, EMPTY, Survey, extend, one_sense};
 use super::tally::counted;
 use crate::transport::Setup;
 use rayon::prelude::*;
 
-/// A cell's answer.
-#[derive(Debug)]
-pub(super) enum Leaf {
-    /// Its inverse is a polynomial.
-    Patch(Patch),
-    /// Its pixels were solved one by one.
-    Points(Vec<Point>),
+/// What answers for the image, all together.
+#[derive(Debug, Default)]
+pub(super) struct Pieces {
+    /// Where the inverse is a polynomial.
+    pub patches: Vec<Patch>,
+    /// Where pixels were solved one by one.
+    pub points: Vec<Point>,
 }
 
 /// A part of the image still to be inverted.
@@ -36,7 +38,7 @@ const SMALL_PATCH: f64 = 60.0;
 const SPACING: f64 = 4.0;
 
 /// Inverts F cell by cell; `None` where it is creased too densely for that. Also returns the number of rays traced.
-pub(super) fn plan(setup: &Setup, raster: Raster, tolerance: f64) -> (Option<Vec<Leaf>>, u64) {
+pub(super) fn plan(setup: &Setup, raster: Raster, tolerance: f64) -> (Option<Pieces>, u64) {
     let survey = Survey::take(setup);
     let mut rays = Survey::RAYS;
     let planner = Planner { setup, raster, tolerance, border: border(&survey), survey };
@@ -46,7 +48,8 @@ pub(super) fn plan(setup: &Setup, raster: Raster, tolerance: f64) -> (Option<Vec
         return (None, rays);
     }
     let mut tasks = vec![Task::Block { i: 0, j: 0, size: CELLS }];
-    let mut leaves = Vec::new();
+    let mut pieces = Pieces::default();
+    let mut leads = Vec::new();
     while !tasks.is_empty() {
         let outcomes: Vec<(Outcome, u64)> =
             tasks.par_iter().map(|task| counted(|| planner.process(task))).collect();
@@ -55,17 +58,25 @@ pub(super) fn plan(setup: &Setup, raster: Raster, tolerance: f64) -> (Option<Vec
             rays += traced;
             match outcome {
                 Outcome::Nothing => {}
-                Outcome::Leaf(leaf) => leaves.push(leaf),
+                Outcome::Patch(patch) => pieces.patches.push(patch),
+                Outcome::Solved(solved) => {
+                    pieces.points.extend(solved.points);
+                    leads.extend(solved.leads);
+                }
                 Outcome::Split(parts) => tasks.extend(parts),
             }
         }
     }
-    (Some(leaves), rays)
+    let Pieces { patches, points } = &mut pieces;
+    let (pursued, traced) = counted(|| pursue(setup, raster, patches, points, leads));
+    points.extend(pursued);
+    (Some(pieces), rays + traced)
 }
 
 enum Outcome {
     Nothing,
-    Leaf(Leaf),
+    Patch(Patch),
+    Solved(Solved),
     Split(Vec<Task>),
 }
 
@@ -173,12 +184,12 @@ impl Planner<'_> {
             .collect();
         let arriving: Vec<[f64; 2]> =
             samples.iter().filter_map(|s| s.arrives().map(|(st, _)| st)).collect();
-        if arriving.is_empty() {
+        let one_branch = samples.iter().all(|s| s.same_branch(&samples[0]));
+        if one_branch && arriving.is_empty() {
             return Outcome::Nothing;
         }
         let mut bounds = EMPTY;
         arriving.iter().for_each(|&st| extend(&mut bounds, st));
-        let one_branch = samples.iter().all(|s| s.same_branch(&samples[0]));
         if one_branch
             && one_sense(n - 1, |x, y| Some(arriving[y * n + x]))
             && let Fit::Done(outcome) = self.fit(&samples, cell, bounds, 0.2 / (n - 1) as f64)
@@ -188,13 +199,20 @@ impl Planner<'_> {
         if extent > SPACING {
             return Outcome::Split(cell.quarters().map(Task::Cell).into());
         }
-        Outcome::Leaf(Leaf::Points(solve_pixels(
-            self.setup,
-            self.raster,
-            cell,
-            &samples,
-            !(one_branch && continuous(&arriving, n)),
-        )))
+        let cut = !(one_branch && continuous(&arriving, n));
+        let mut seeds = samples;
+        if cut {
+            let mut between = Between::new(self.setup);
+            for k in 0..n * n {
+                let right = (k % n + 1 < n).then_some(k + 1);
+                let above = (k + n < n * n).then_some(k + n);
+                for other in [right, above].into_iter().flatten() {
+                    between.look(&seeds[k], &seeds[other]);
+                }
+            }
+            seeds.extend(between.found);
+        }
+        Outcome::Solved(solve_pixels(self.setup, self.raster, cell, &seeds, cut))
     }
 
     /// A smooth cell's patch, or its pixels if they are few. All samples lie on its one branch.
@@ -206,14 +224,16 @@ impl Planner<'_> {
             (0..2).map(|axis| (rect[1][axis] - rect[0][axis]) * self.raster.size(axis)).product();
         if pixels < SMALL_PATCH {
             let points = solve_pixels(self.setup, self.raster, cell, samples, false);
-            return Fit::Done(Outcome::Leaf(Leaf::Points(points)));
+            return Fit::Done(Outcome::Solved(points));
         }
         let sample = &samples[0];
         let degree = if pixels < 900.0 { SMALL_DEGREE } else { DEGREE };
         match Patch::fit(self.setup, &mut sample.path.clone(), cell, rect, degree, self.tolerance) {
+            // A fold between the samples: one of its two branches would go unanswered.
+            Some(patch) if !samples.iter().all(|s| returns(&patch, s)) => Fit::Failed,
             Some(mut patch) => {
                 patch.blocked = sample.arrives().is_some_and(|(_, through_plate)| !through_plate);
-                Fit::Done(Outcome::Leaf(Leaf::Patch(patch)))
+                Fit::Done(Outcome::Patch(patch))
             }
             None => Fit::Failed,
         }
@@ -223,6 +243,14 @@ impl Planner<'_> {
 enum Fit {
     Done(Outcome),
     Failed,
+}
+
+/// Whether a patch leads from where a sample's light arrives back to the sample, if it reaches there.
+fn returns(patch: &Patch, sample: &Sample) -> bool {
+    let Some((st, _)) = sample.arrives() else { return false };
+    let reaches = (0..2).all(|k| (patch.rect[0][k]..=patch.rect[1][k]).contains(&st[k]));
+    let uv = patch.at(st);
+    !reaches || (uv[0] - sample.uv[0]).hypot(uv[1] - sample.uv[1]) < SAME
 }
 
 /// Whether samples of one branch on an n x n grid show no jump: on a mesh, light may leave by a face far away from its

@@ -81,8 +81,7 @@ impl RowPolynomial {
             if status.iter().fold(true, |all, &s| all & (s == Status::Outside)) {
                 for lane in 0..uv.len() {
                     let inside = inside(u[lane], v[lane]);
-                    uv[lane] =
-                        [u[lane], v[lane]].map(|c| if inside { within_image(c) } else { f64::NAN });
+                    uv[lane] = [u[lane], v[lane]].map(|c| if inside { c } else { f64::NAN });
                     status[lane] = if inside { answered } else { Status::Outside };
                 }
                 continue;
@@ -123,16 +122,9 @@ pub(super) fn multiply_add(a: f64, b: f64, c: f64) -> f64 {
     if cfg!(target_family = "wasm") { a * b + c } else { a.mul_add(b, c) }
 }
 
-/// Seam margins reach beyond the image's own edge by less than the error bound.
-#[inline(always)]
-fn within_image(c: f64) -> f64 {
-    c.clamp(0.0, 1.0)
-}
-
 /// Enters one answer of a pixel. Of several, the image point nearest to the image's centre is shown.
 #[inline]
 pub(super) fn enter(uv: &mut [f64; 2], status: &mut Status, found: [f64; 2], blocked: bool) {
-    let found = found.map(within_image);
     match *status {
         Status::Outside => {
             *uv = found;

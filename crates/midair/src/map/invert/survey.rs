@@ -8,6 +8,9 @@ use rayon::prelude::*;
 /// wider than 1/64 is certain to be seen, and a strip of a third of that almost certainly.
 pub(super) const CELLS: usize = 64;
 
+/// Points within a block along each side that a patch is held against.
+const SEEDS: usize = 8;
+
 /// F at the corners of a grid of cells and at a point within each.
 pub(super) struct Survey {
     corners: Vec<Sample>,
@@ -75,16 +78,14 @@ impl Survey {
         one_sense(size, |x, y| self.corner(i + x, j + y).arrives().map(|(st, _)| st))
     }
 
-    /// A block's corners and a point within.
-    pub fn seeds(&self, i: usize, j: usize, size: usize) -> [Sample; 5] {
-        [
-            self.interior(i, j),
-            self.corner(i, j),
-            self.corner(i + size, j),
-            self.corner(i, j + size),
-            self.corner(i + size, j + size),
-        ]
-        .map(Sample::clone)
+    /// A block's corners and some points within, the first one of them foremost.
+    pub fn seeds(&self, i: usize, j: usize, size: usize) -> Vec<Sample> {
+        let step = size.div_ceil(SEEDS);
+        let within = (0..size)
+            .step_by(step)
+            .flat_map(|y| (0..size).step_by(step).map(move |x| self.interior(i + x, j + y)));
+        let corners = [(i, j), (i + size, j), (i, j + size), (i + size, j + size)];
+        within.chain(corners.into_iter().map(|(x, y)| self.corner(x, y))).cloned().collect()
     }
 
     /// The image cells of a block.
