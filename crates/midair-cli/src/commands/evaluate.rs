@@ -35,7 +35,7 @@ pub struct Arguments {
     /// The paper's set-ups (the only evaluation so far)
     #[arg(long, required = true)]
     paper: bool,
-    /// Folder of photographs: PNG, JPEG or OpenEXR; cropped to the image's 3 : 2
+    /// Folder of photographs: PNG, JPEG, TIFF, WebP, BMP or OpenEXR; cropped to the image's 3 : 2
     #[arg(long, value_name = "DIR")]
     images: PathBuf,
     /// Folder for all that is written

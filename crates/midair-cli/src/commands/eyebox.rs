@@ -30,7 +30,7 @@ pub struct Arguments {
     /// Folder for all that is written
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Picture that the mid-air image is to show: PNG, JPEG or OpenEXR
+    /// Picture that the mid-air image is to show: PNG, JPEG, TIFF, WebP, BMP or OpenEXR
     #[arg(long, value_name = "FILE")]
     image: Option<PathBuf>,
     /// The display's resolution instead of the scene's

@@ -36,7 +36,7 @@ enum What {
 #[command(after_help = "Examples:\n  midair measure lattice photo.jpg --out measured\n  \
     midair measure lattice with-object.jpg --against without-object.jpg --out measured")]
 pub struct LatticeArguments {
-    /// Photograph: PNG, JPEG or OpenEXR
+    /// Photograph: PNG, JPEG, TIFF, WebP, BMP or OpenEXR
     photo: PathBuf,
     /// Folder for lattice.json, lattice.csv and lattice.png, the photograph with what was found drawn into it
     #[arg(long, value_name = "DIR")]

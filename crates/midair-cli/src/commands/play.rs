@@ -43,7 +43,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N")]
     display: Option<usize>,
     /// List the screens of this machine, and end
-    #[arg(long, exclusive = true)]
+    #[arg(long, conflicts_with = "scene")]
     list_displays: bool,
     /// Fill the screen: only then is the image true to scale
     #[arg(long)]

@@ -28,7 +28,7 @@ use std::path::PathBuf;
 pub struct Arguments {
     /// Scene file (TOML or JSON)
     scene: PathBuf,
-    /// Picture that the mid-air image is to show: PNG, JPEG or OpenEXR; left out: a built-in one
+    /// Picture that the mid-air image is to show: PNG, JPEG, TIFF, WebP, BMP or OpenEXR; left out: a built-in one
     #[arg(long, value_name = "FILE")]
     image: Option<PathBuf>,
     /// Folder for all that is written

@@ -104,7 +104,8 @@ fn apply_draws_what_compensate_drew() {
             bench.succeed(&compensate);
             let shown = read_still(&bench.path("out/display.png")).unwrap().picture;
             let map = read_map(&bench.path("out/map.exr"), None, None).unwrap().map;
-            let lit = shown.pixels.iter().filter(|pixel| pixel[3] > 0.0).count();
+            // The waves are nowhere black.
+            let lit = shown.pixels.iter().filter(|pixel| pixel[1] > 0.0).count();
             let covered = map.status.iter().filter(|status| status.is_answered()).count();
             assert!(covered > 5000 && lit > covered + 200 && lit < 256 * 256, "{covered} {lit}");
             for (kind, map) in kinds.into_iter().zip(maps) {

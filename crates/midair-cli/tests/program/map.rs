@@ -110,7 +110,11 @@ fn a_ring_is_added_and_coverage_kept_apart() {
         "map", "convert", "w_x.npy", "back.exr", "--from", "opencv", "--source", "640x480",
     ]);
     let back = read_map(&bench.path("back.exr"), None, None).unwrap().map;
-    assert_eq!(back.status, map.status);
+    // Of pixels without an answer a pair of arrays does not say why.
+    let answered = |map: &midair::map::Map| -> Vec<bool> {
+        map.status.iter().map(|status| status.is_answered()).collect()
+    };
+    assert_eq!(answered(&back), answered(&map));
 }
 
 fn sample_at(i: usize) -> [f64; 2] {

@@ -388,7 +388,9 @@ fn parts(
 ) -> Vec<Part> {
     let at = |t: usize, vertex: u32| {
         let corner = indices[t].iter().position(|&v| v == vertex).unwrap_or(0);
-        normals.get(t).map_or(triangles[t].normal, |n| n[corner])
+        let normal = normals.get(t).map_or(triangles[t].normal, |n| n[corner]);
+        // A tip has none on either side of an edge.
+        if normal == Vec3::ZERO { normal } else { normal.normalized() }
     };
     let one = |a: Vec3, b: Vec3| (a - b).length() <= ONE_NORMAL;
     let mut sets = Sets::new(triangles.len());

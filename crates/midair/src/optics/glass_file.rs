@@ -402,6 +402,17 @@ fn tree(yaml: &str) -> Result<Option<MarkedYaml<'_>>, Fault> {
     let mut depth = 0;
     for event in Parser::new_from_str(yaml) {
         let (event, span) = event.map_err(fault)?;
+        // Nothing is kept for aliases, which would bring their own depth and number of nodes with them.
+        let event = match event {
+            Event::Alias(_) => {
+                let problem = "an alias (`*name`) is not followed; write its value in its place";
+                return Err((span.start.line(), problem.to_owned()));
+            }
+            Event::Scalar(text, style, _, tag) => Event::Scalar(text, style, 0, tag),
+            Event::SequenceStart(_, tag) => Event::SequenceStart(0, tag),
+            Event::MappingStart(_, tag) => Event::MappingStart(0, tag),
+            event => event,
+        };
         match event {
             Event::SequenceStart(..) | Event::MappingStart(..) => depth += 1,
             Event::SequenceEnd | Event::MappingEnd => depth -= 1,

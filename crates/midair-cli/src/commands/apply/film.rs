@@ -295,7 +295,7 @@ impl Work<'_> {
         let joining = Joining { parts: &parts, start: begin, last, end, frames: count, extras };
         join(&joining, &job.path("pieces.txt"), &joined)
             .map_err(|error| self.join_failed(error))?;
-        job.publish(&joined, &arguments.output)?;
+        job.publish(format!("joined.{extension}"), &arguments.output)?;
         job.finish()?;
         tell(arguments, self.map, count, resumed, start.elapsed(), &notes, voice)
     }

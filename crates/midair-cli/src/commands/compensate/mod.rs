@@ -30,7 +30,7 @@ pub use files::{write_display, write_maps};
 pub struct Arguments {
     /// Scene file (TOML or JSON)
     scene: PathBuf,
-    /// Picture that the mid-air image is to show: PNG, JPEG or OpenEXR
+    /// Picture that the mid-air image is to show: PNG, JPEG, TIFF, WebP, BMP or OpenEXR
     #[arg(long, value_name = "FILE")]
     image: Option<PathBuf>,
     /// Folder for all that is written

@@ -43,7 +43,7 @@ Examples:
 pub struct Arguments {
     /// Scene file (TOML or JSON)
     scene: PathBuf,
-    /// Picture that the display shows: PNG, JPEG or OpenEXR
+    /// Picture that the display shows: PNG, JPEG, TIFF, WebP, BMP or OpenEXR
     #[arg(long, value_name = "FILE")]
     display: PathBuf,
     /// Picture to write: .png or .exr (linear light); may be given more than once

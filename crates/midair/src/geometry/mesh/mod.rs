@@ -36,7 +36,8 @@ pub struct TriangleMesh {
     pub positions: Vec<Vec3>,
     /// Indices into `positions`, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// For each triangle the unit normals at its corners; `None`: each face's own.
+    /// For each triangle the normals at its corners, outward; between them their sum by the corners' weights has the normal's direction, so longer ones have more
+    /// say, and one of length 0, at the tip of a cone, has none. `None`: each face's own.
     pub normals: Option<Vec<[Vec3; 3]>>,
     /// For each triangle the normals that the file gives at its corners, of any length and sense, NaN where it gives none; empty without any.
     pub given_normals: Vec<[Vec3; 3]>,

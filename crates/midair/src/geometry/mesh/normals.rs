@@ -6,7 +6,9 @@
 //! - flat or ruled parts run into roundings: beside a region many times larger, small ones do not count;
 //! - at a rim the faces lie on one side, and their mean leans inward. The normals at the two ends of an arc are mirror images of each other in the
 //!   plane that halves its chord: so the rim's normal is the image of its inner neighbour's. This is exact on spheres, cylinders and cones;
-//! - the tip of a cone has no normal. Its triangles are cut close to it, so that all but their ends interpolate along the cone.
+//! - the tip of a cone has no normal: it gets one of length 0, which has no say between the others;
+//! - on a cone the normal is the same along each straight line to the tip. Between corners of a triangle it is so if the normals there are as long as the
+//!   lines from the tip, for the sum of such normals turns as the sum of the corners does.
 
 use super::TriangleMesh;
 use super::adjacency::{NONE, Sets, neighbours};
@@ -60,8 +62,8 @@ const COPLANAR: f64 = 3e-7;
 const SMALL: f64 = 1.0 / 16.0;
 /// The file's normals are those of flat faces if none is further from its face's than this, degrees: files have them to four digits.
 const FLAT: f64 = 0.5;
-/// Triangles at a tip are cut at this share of their length.
-const TIP: f64 = 1.0 / 64.0;
+/// Unit normals nearer to each other than this are one.
+const ONE: f64 = 1e-5;
 /// A fan that turns by less than this is flat, radians.
 const LEVEL: f64 = 1e-4;
 
@@ -123,69 +125,77 @@ impl TriangleMesh {
     }
 
     /// The mesh with the normals that its file gives, where they fit its faces, and elsewhere with smooth ones over edges of less than
-    /// `crease_angle` degrees and sharp edges above. Triangles around tips are cut in three.
+    /// `crease_angle` degrees and sharp edges above.
     ///
     /// A normal fits a face if it is not further from the face's own than half the crease angle: between two faces of one smooth surface it cannot be.
     pub fn with_creased_normals(mut self, crease_angle: f64) -> (Self, Shading) {
         let crease = crease_angle.to_radians();
-        let (fans, mut shading) = {
+        let (normals, mut shading) = {
             let mut creased = Creased::new(&self, crease);
             let given = creased.given();
             (creased.normals(&given), creased.shading)
         };
         shading.corners = 3 * self.triangles.len();
-        self.normals = Some(fans.normals);
-        self.cut_tips(&fans.tips);
+        self.normals = Some(normals);
+        self.follow_rulings();
         (self, shading)
     }
 
-    /// Cuts each triangle at a tip (a triangle and its corner, with the normals along its two sides from there) into one at the tip, flat, and two
-    /// beyond, whose normals do not change along the sides.
-    fn cut_tips(&mut self, tips: &[Tip]) {
-        let mut places = std::collections::HashMap::new();
-        for tip in tips {
-            let t = tip.triangle;
-            let [v, a, b] = [0, 1, 2].map(|i| self.triangles[t][(tip.corner + i) % 3]);
-            let Some(normals) = &mut self.normals else { return };
-            let [_, na, nb] = [0, 1, 2].map(|i| normals[t][(tip.corner + i) % 3]);
-            let positions = &mut self.positions;
-            let mut near = |far: u32| {
-                *places.entry((v, far)).or_insert_with(|| {
-                    let (from, to) = (positions[v as usize], positions[far as usize]);
-                    positions.push(from + (to - from) * TIP);
-                    positions.len() as u32 - 1
-                })
-            };
-            let (ca, cb) = (near(a), near(b));
-            let flat = tip.normal;
-            self.triangles[t] = [v, ca, cb];
-            normals[t] = [flat; 3];
-            let [sa, sb] = tip.sides;
-            self.triangles.push([ca, a, b]);
-            normals.push([sa, na, nb]);
-            self.triangles.push([ca, b, cb]);
-            normals.push([sa, nb, sb]);
-            if let Some(bodies) = &mut self.bodies {
-                let body = bodies[t];
-                bodies.extend([body; 2]);
+    /// Gives normals along straight lines that meet in a point, as a cone's do, lengths that go with the distance from it.
+    fn follow_rulings(&mut self) {
+        let Some(normals) = &self.normals else { return };
+        let across = neighbours(&self.triangles);
+        let [low, high] = self.bounds();
+        let level = COPLANAR * (high - low).length();
+        let lengths: Vec<[f64; 3]> = (0..self.triangles.len())
+            .map(|t| self.distances_from_tip(t, normals, &across, level).unwrap_or([1.0; 3]))
+            .collect();
+        if let Some(normals) = &mut self.normals {
+            for (n, lengths) in normals.iter_mut().zip(lengths) {
+                *n = [0, 1, 2].map(|k| n[k] * lengths[k]);
             }
         }
     }
-}
 
-/// A triangle's corner at a tip.
-struct Tip {
-    triangle: usize,
-    corner: usize,
-    /// The triangle's own normal.
-    normal: Vec3,
-    /// The normals along the sides to its next corner and to the one after.
-    sides: [Vec3; 2],
-}
-
-struct Fans {
-    normals: Vec<[Vec3; 3]>,
-    tips: Vec<Tip>,
+    /// The distances of a triangle's corners from where its straight lines meet, as shares of the largest: one line is its side with one normal at both
+    /// ends, the other such a side of a triangle in its plane.
+    fn distances_from_tip(
+        &self,
+        t: usize,
+        normals: &[[Vec3; 3]],
+        across: &[[u32; 3]],
+        level: f64,
+    ) -> Option<[f64; 3]> {
+        let one = |a: Vec3, b: Vec3| (a - b).length() < ONE;
+        let (p, n) = (self.corners(t), normals[t]);
+        let k = (0..3).find(|&k| {
+            let [i, j] = [(k + 1) % 3, (k + 2) % 3];
+            one(n[i], n[j]) && !one(n[i], n[k]) && n[k].length() > 0.5
+        })?;
+        let [i, j] = [(k + 1) % 3, (k + 2) % 3];
+        let face = face_normal(p);
+        // Over the side opposite i lies a triangle with the corners k and j, and so on.
+        let tip = [i, j].into_iter().find_map(|opposite| {
+            let other = across[t][opposite] as usize;
+            let third = *self.triangles.get(other)?;
+            let far = (0..3).find(|&m| !self.triangles[t].contains(&third[m]))?;
+            let m = self.positions[third[far] as usize];
+            let flat = (m - p[k]).dot(face).abs() <= level;
+            (flat && one(normals[other][far], n[k])).then_some(())?;
+            // Where the lines from i to j and from k to m come nearest, in their plane.
+            let (d, e) = (p[j] - p[i], m - p[k]);
+            let turn = d.cross(e);
+            // Parallel ones never meet: their normals are equally long.
+            let sine = turn.length() / (d.length() * e.length());
+            (sine > 1e-9)
+                .then(|| p[i] + d * ((p[k] - p[i]).cross(e).dot(turn) / turn.squared_length()))
+        })?;
+        let distances = p.map(|p| (p - tip).length());
+        let largest = distances.iter().fold(0.0, |a: f64, &b| a.max(b));
+        // A point on the side itself would turn the normals about.
+        let beyond = (p[i] - tip).dot(p[j] - tip) > 0.0;
+        (beyond && largest > 0.0).then(|| distances.map(|d| d / largest))
+    }
 }
 
 /// A fan's faces, gathered.
@@ -317,7 +327,7 @@ impl<'a> Creased<'a> {
         self.fans.of((3 * t + k) as u32) as usize
     }
 
-    fn normals(&mut self, given: &[[Vec3; 3]]) -> Fans {
+    fn normals(&mut self, given: &[[Vec3; 3]]) -> Vec<[Vec3; 3]> {
         let fans = self.gathered(given);
         let count = self.faces.len();
         let mean = |fan: &Fan, face: Vec3| {
@@ -332,32 +342,23 @@ impl<'a> Creased<'a> {
                 own.iter().for_each(|&fan| tips[fan] = false);
             }
         }
-        let mut result = Fans { normals: Vec::with_capacity(count), tips: Vec::new() };
+        let mut normals = Vec::with_capacity(count);
         for t in 0..count {
             let own = [0, 1, 2].map(|k| self.fan(t, k));
             let face = self.faces[t];
-            result.normals.push([0, 1, 2].map(|k| {
+            normals.push([0, 1, 2].map(|k| {
                 let fan = &fans[own[k]];
                 if fan.given {
                     self.shading.given += 1;
                     given[t][k]
                 } else if tips[own[k]] {
-                    face
+                    Vec3::ZERO
                 } else {
                     rims.get(&own[k]).copied().unwrap_or_else(|| mean(fan, face))
                 }
             }));
-            if let Some(corner) = (0..3).find(|&k| tips[own[k]]) {
-                // The side to the next corner is opposite the one after it.
-                let side = |k: usize| {
-                    let beyond = self.faces.get(self.neighbours[t][k] as usize);
-                    (face + *beyond.unwrap_or(&face)).normalized()
-                };
-                let sides = [side((corner + 2) % 3), side((corner + 1) % 3)];
-                result.tips.push(Tip { triangle: t, corner, normal: face, sides });
-            }
         }
-        result
+        normals
     }
 
     fn gathered(&mut self, given: &[[Vec3; 3]]) -> Vec<Fan> {

@@ -92,7 +92,8 @@ impl FileError {
     }
 }
 
-fn io_remedy(error: &io::Error) -> &'static str {
+/// What helps where the system refuses.
+pub(crate) fn io_remedy(error: &io::Error) -> &'static str {
     match error.kind() {
         io::ErrorKind::NotFound => "check the path; its folder must exist",
         io::ErrorKind::PermissionDenied => "give yourself the permission or choose another folder",

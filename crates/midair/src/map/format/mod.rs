@@ -22,6 +22,7 @@ mod stmap;
 mod storage;
 
 pub use error::FileError;
+pub(crate) use error::io_remedy;
 pub use exr_channels::{Channels, MAX_PIXELS, SampleKind, decode_channels, write_channels};
 pub(crate) use exr_channels::{ExrFile, check_size, encode_channels};
 pub(crate) use exr_layers::{PictureChannels, read_picture};

@@ -58,7 +58,7 @@ mod tests {
             }
             // Along one layer's mirrors light never meets them: no mid-air image.
             assert!(map.at(i, 1).real[0] < 1e-12);
-            // Along +x both layers meet alike: the table of REFERENCES is on this row.
+            // Along +x both layers meet alike: the published table is on this row.
             let d = direction(incidence[i], 0.0);
             assert_eq!(map.at(i, 0), &plate.shares(d));
             assert!((d.z - incidence[i].to_radians().cos()).abs() < 1e-15);
