@@ -121,6 +121,7 @@ fn film(path: &Path, told: &Value) -> Option<Film> {
     };
     let rate = fraction(text("avg_frame_rate").unwrap_or_default());
     let seconds = |value: &Value| value["duration"].as_str()?.parse::<f64>().ok();
+    let start = stream["start_time"].as_str().and_then(|time| time.parse().ok()).unwrap_or(0.0);
     // Matroska tells each stream's length in a tag.
     let tagged = || clock(stream["tags"]["DURATION"].as_str()?);
     let usual = Colour::usual(height);
@@ -139,9 +140,10 @@ fn film(path: &Path, told: &Value) -> Option<Film> {
         deep: is_deep(text("pix_fmt").unwrap_or_default()),
         alpha: is_alpha(text("pix_fmt").unwrap_or_default()) || decoder.is_some(),
         decoder,
-        start: stream["start_time"].as_str().and_then(|time| time.parse().ok()).unwrap_or(0.0),
+        start,
         counted: text("nb_frames").and_then(|count| count.parse().ok()),
-        seconds: seconds(stream).or_else(tagged),
+        // Matroska's tag counts from 0, not from the first picture.
+        seconds: seconds(stream).or_else(|| tagged().map(|end| end - start)),
         whole: seconds(&told["format"]),
         rate,
         colour: Colour {

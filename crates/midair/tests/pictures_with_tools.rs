@@ -1,24 +1,9 @@
 //! Pictures as other programs write them, read as these programs see them: Pillow (LittleCMS), tifffile, OpenEXR's own library.
-//!
-//! The tests skip themselves, with a note, where a tool is missing.
 
 use midair::map::format::{Format, read_map};
 use midair::picture::{read_still, srgb};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
-
-/// A Python that has what is asked for: the workspace's own, or the system's.
-fn python(modules: &str) -> Option<PathBuf> {
-    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../.venv/bin/python3");
-    let found = [own, PathBuf::from("python3")].into_iter().find(|python| {
-        let run = Command::new(python).args(["-c", &format!("import {modules}")]).output();
-        run.is_ok_and(|output| output.status.success())
-    });
-    if found.is_none() {
-        println!("skipped: no python3 with {modules}");
-    }
-    found
-}
 
 fn run(python: &Path, script: &str, folder: &Path) {
     let output = Command::new(python).args(["-c", script]).current_dir(folder).output().unwrap();
@@ -33,7 +18,7 @@ fn codes(path: &Path) -> Vec<[u8; 3]> {
 
 #[test]
 fn profiles_give_what_littlecms_gives() {
-    let Some(python) = python("PIL.ImageCms, numpy") else { return };
+    let Some(python) = midair_peers::python() else { return };
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     // Display P3 with sRGB's curve and Adobe RGB with gamma 2.2, built chunk by chunk (ICC.1:2010): s15Fixed16 numbers, D50-adapted colorants.
@@ -94,7 +79,7 @@ for name, data in (('p3', p3), ('adobe', adobe)):
 
 #[test]
 fn pictures_of_pillow_and_tifffile_are_as_they_see_them() {
-    let Some(python) = python("PIL, numpy, tifffile") else { return };
+    let Some(python) = midair_peers::python() else { return };
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     let script = "
@@ -154,7 +139,7 @@ tifffile.imwrite('light.tiff', light, photometric='rgb'); light.tofile('light.ra
 
 #[test]
 fn files_of_openexrs_own_library_are_read_whatever_their_layers() {
-    let Some(python) = python("OpenEXR, numpy") else { return };
+    let Some(python) = midair_peers::python() else { return };
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     let script = "

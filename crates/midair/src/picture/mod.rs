@@ -14,6 +14,7 @@ mod resample;
 mod screen;
 mod sequence;
 mod still;
+mod tiff;
 mod warp;
 pub mod wide;
 

@@ -74,7 +74,11 @@ fn samples(
             format!("{kind}: {width} x {height} pixels cannot come from {} bytes", bytes.len());
         return Err(FileError::malformed(path, "header", problem, CUT));
     }
-    let icc = decoder.icc_profile().ok().flatten();
+    let mut icc = decoder.icc_profile().ok().flatten();
+    if format == ImageFormat::Tiff {
+        // The decoder reads tags of bytes; profiles are tags of undefined type.
+        icc = icc.or_else(|| super::tiff::profile(bytes));
+    }
     let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
     let mut image = DynamicImage::from_decoder(decoder).map_err(|error| bad("pixels", error))?;
     image.apply_orientation(orientation);
