@@ -75,7 +75,7 @@ pub struct Arguments {
     /// Show figures over the picture: frames a second, the eye, latency (the key O)
     #[arg(long)]
     overlay: bool,
-    /// File for the nudged scene, which keeps the comments of the scene file [default: SCENE with -nudged in its name]
+    /// File for the nudged scene, which keeps the comments of the scene file [default: the scene's name with -nudged]
     #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
     /// Quit after this many seconds
