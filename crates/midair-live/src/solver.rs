@@ -80,6 +80,8 @@ const REST: Duration = Duration::from_millis(25);
 
 /// What the solver has to tell.
 #[derive(Debug)]
+// One of them is on its way at a time; a map's is the usual one.
+#[expect(clippy::large_enum_variant)]
 pub enum Found {
     /// There is a map.
     Map(Solved),

@@ -100,7 +100,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     });
     for (name, picture) in &strips {
         output
-            .write(&format!("strip-{name}.png"), |path| write_still(path, picture, Depth::Eight))?;
+            .write(format!("strip-{name}.png"), |path| write_still(path, picture, Depth::Eight))?;
     }
     if arguments.frames > 1 {
         let small =

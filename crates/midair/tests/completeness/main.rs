@@ -9,11 +9,11 @@ mod judge;
 mod set_ups;
 
 use judge::{Care, Judge};
+use midair::clock::Stopwatch;
 use midair::map::{Accuracy, Map, Status, invert};
 use midair::transport::Setup;
 use rayon::prelude::*;
 use std::path::Path;
-use std::time::Instant;
 
 /// How one set-up's map fared.
 #[derive(Default)]
@@ -32,7 +32,7 @@ fn status_index(status: Status) -> usize {
 }
 
 fn judged(name: &str, setup: &Setup, care: Care) -> Verdict {
-    let start = Instant::now();
+    let start = Stopwatch::start();
     let (map, effort) = invert(setup, Accuracy::default());
     let inverted = start.elapsed();
     let mut judge = Judge::new(setup, care);

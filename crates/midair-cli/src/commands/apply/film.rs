@@ -286,7 +286,7 @@ impl Work<'_> {
         }
         bar.finish();
         notes.extend(frames.end(arguments, self.film, count, last)?);
-        let joined = job.path(&format!("joined.{extension}"));
+        let joined = job.path(format!("joined.{extension}"));
         let begin = pieces.first().map_or(0.0, |piece| piece.start);
         let parts = in_a_row(&pieces);
         // Where all was made before, the last piece's beginning is all that is known of its end.

@@ -45,7 +45,7 @@ impl Layer {
         match (part, self.name.as_str()) {
             (Some(part), "") => part.to_string(),
             (None, "") => format!("part {}", self.part + 1),
-            (Some(part), name) if part.to_string() != name => format!("{part}/{name}"),
+            (Some(part), name) if part != name => format!("{part}/{name}"),
             (_, name) => name.to_owned(),
         }
     }

@@ -31,7 +31,7 @@ fn union(mut parts: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
 fn crossings(surface: &MeshSurface, ray: &Ray) -> Vec<Hit> {
     let mut found: Vec<Hit> = Vec::new();
     loop {
-        let wanted = if found.len() % 2 == 0 { Crossing::Enter } else { Crossing::Leave };
+        let wanted = if found.len().is_multiple_of(2) { Crossing::Enter } else { Crossing::Leave };
         let at = found.last().map_or(0.0, |hit| hit.t);
         let on = Ray { origin: ray.at(at), direction: ray.direction };
         let search = Search {

@@ -320,9 +320,8 @@ fn gltf_accessors_of_every_kind_give_the_cube() {
         .flat_map(|p| p.iter().map(|&x| if x > 0.0 { 1000u16 } else { 0 }).chain([77]))
         .flat_map(u16::to_le_bytes)
         .collect();
-    let views = format!(
-        r#"{{"buffer":0,"byteLength":64,"byteStride":8}},{{"buffer":0,"byteOffset":64,"byteLength":36}}"#
-    );
+    let views = r#"{"buffer":0,"byteLength":64,"byteStride":8},{"buffer":0,"byteOffset":64,"byteLength":36}"#
+        .to_string();
     let accessor = r#"{"bufferView":0,"componentType":5123,"count":8,"type":"VEC3"}"#;
     let node = r#","scale":[0.001,0.001,0.001],"translation":[-0.5,-0.5,-0.5]"#;
     let quantised = gltf(
