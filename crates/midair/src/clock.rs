@@ -1,7 +1,7 @@
 //! How long work takes, on any target.
 //!
 //! `std::time::Instant` traps where a target has no clock, as wasm32-unknown-unknown has none. There the host lends its own by
-//! [`lend`]; without one, all work takes no time.
+//! `lend`; without one, all work takes no time.
 
 use std::time::Duration;
 

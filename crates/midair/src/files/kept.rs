@@ -158,17 +158,6 @@ impl Kept {
     }
 }
 
-impl Drop for Kept {
-    /// Work that ended before its first piece leaves nothing to go on with.
-    fn drop(&mut self) {
-        let Ok(mut entries) = std::fs::read_dir(&self.folder) else { return };
-        let own = |name: &std::ffi::OsStr| name == RECORD || name == LOCK;
-        if entries.all(|entry| entry.is_ok_and(|entry| own(&entry.file_name()))) {
-            let _ = std::fs::remove_dir_all(&self.folder);
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -73,7 +73,11 @@ pub fn each(
     std::fs::create_dir_all(to.folder())
         .map_err(|error| midair::map::format::FileError::io(to.folder(), "create", error))?;
     let job = parts::begin(arguments, &map)?;
-    numbers.iter().try_for_each(|&number| job.claim(&to.file(number)))?;
+    if let Err(refused) = numbers.iter().try_for_each(|&number| job.claim(&to.file(number))) {
+        // Nothing was begun that could be gone on with.
+        job.finish()?;
+        return Err(refused.into());
+    }
     // A file is whole or absent, so what is there is done.
     let done = |number: &u64| job.resumed && to.file(*number).is_file();
     let todo: Vec<u64> = numbers.iter().copied().filter(|number| !done(number)).collect();
