@@ -1,7 +1,7 @@
 //! From raw frames to a film.
 
 use super::matroska;
-use super::options::{Plan, pixel_format};
+use super::options::{Coded, Plan, coded};
 use super::tool::{Said, VideoError, ffmpeg, file_argument, not_started, summary};
 use super::{Colour, Timing};
 use std::io::{BufWriter, Write};
@@ -33,8 +33,8 @@ pub struct Recipe<'a> {
     pub base: [u64; 2],
     /// ffmpeg's options for its encoder; none: chosen by the file's name and the depth.
     pub options: &'a [String],
-    /// The encoder's pixel format, where it has been asked for already by [`pixel_format`].
-    pub format: Option<&'a str>,
+    /// What the encoder makes of the options, where that has been asked for already by [`coded`].
+    pub coded: Option<&'a Coded>,
 }
 
 impl Encoder {
@@ -43,11 +43,11 @@ impl Encoder {
     /// # Errors
     /// [`VideoError`] where ffmpeg cannot be started.
     pub fn new(path: &Path, recipe: &Recipe) -> Result<Self, VideoError> {
-        let format = match recipe.format {
-            Some(format) => format.to_owned(),
-            None => pixel_format(path, recipe)?,
+        let coded = match recipe.coded {
+            Some(known) => known.clone(),
+            None => coded(path, recipe)?,
         };
-        Self::start(path, recipe, &Plan::new(path, recipe, Some(&format)))
+        Self::start(path, recipe, &Plan::new(path, recipe, Some(&coded)))
     }
 
     /// As [`Encoder::new`], with all that is said to ffmpeg.

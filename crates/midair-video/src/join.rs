@@ -92,6 +92,8 @@ impl Extras {
     /// Selects the streams from input number `input`.
     fn select(&self, command: &mut Command, input: usize) {
         command.args(["-map", &format!("{input}:a?"), "-c:a", "copy"]);
+        // ffmpeg 5 calls some sounds experimental that players have taken in MP4 for years: FLAC, TrueHD.
+        command.args(["-strict", "experimental"]);
         let mut place = 0;
         for (index, codec) in self.subtitles.iter().enumerate() {
             let Some(codec) = codec else { continue };

@@ -14,7 +14,7 @@ mod tool;
 pub use decode::{Decoder, Timing};
 pub use encode::{Encoder, Recipe};
 pub use join::{Extras, Joining, Part, join};
-pub use options::pixel_format;
+pub use options::{Coded, coded};
 pub use probe::{Film, probe};
 pub use tool::VideoError;
 

@@ -1,9 +1,20 @@
 //! What is said to ffmpeg's encoder: whatever options are given, the new film says which matrix and range its codes have.
 
 use super::encode::{Encoder, Recipe};
-use super::probe::pixel_format_of;
-use super::{SCALE_FLAGS, Timing, VideoError};
+use super::probe::coded_in;
+use super::{Colour, SCALE_FLAGS, Timing, VideoError};
 use std::path::Path;
+
+/// What an encoder makes of the options that it is given.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Coded {
+    /// ffmpeg's name of the pixel format.
+    pub pixels: String,
+    /// The matrix that the film says it has; `None`: it cannot say any.
+    pub matrix: Option<String>,
+    /// Whether codes span the full range.
+    pub full: bool,
+}
 
 /// What is said to ffmpeg for a film.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,28 +28,39 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
-    /// For an encoder whose pixels will have this format.
-    pub(crate) fn new(path: &Path, recipe: &Recipe, format: Option<&str>) -> Self {
-        let (mut options, given) = without_filters(encoder_options(path, recipe));
-        let after = |options: &[String], names: &[&str]| {
+    /// For an encoder that codes in this way; as far as the options tell, where that is not known yet.
+    pub(crate) fn new(path: &Path, recipe: &Recipe, coded: Option<&Coded>) -> Self {
+        let (options, given) = without_filters(encoder_options(path, recipe));
+        let after = |names: &[&str]| {
             let at = options.iter().rposition(|option| names.contains(&option.as_str()))?;
-            options.get(at + 1).cloned()
+            options.get(at + 1).map(String::as_str)
         };
-        let format = format.unwrap_or_default();
-        let range = after(&options, &["-color_range", "-color_range:v"]);
-        let full = format.starts_with("yuvj")
-            || matches!(range.as_deref(), Some("pc" | "jpeg" | "full" | "2"));
+        let pixels = coded.map(|coded| coded.pixels.as_str()).or(after(&["-pix_fmt"]));
+        let pixels = pixels.unwrap_or_default();
+        let asked = matches!(
+            after(&["-color_range", "-color_range:v"]),
+            Some("pc" | "jpeg" | "full" | "2")
+        );
+        let full = asked || pixels.starts_with("yuvj") || coded.is_some_and(|coded| coded.full);
         let range = if full { "pc" } else { "tv" };
         let mut colour = recipe.colour.clone();
-        if let Some(matrix) = after(&options, &["-colorspace", "-colorspace:v"]) {
-            colour.matrix = matrix;
+        if let Some(matrix) = after(&["-colorspace", "-colorspace:v"]) {
+            colour.matrix = matrix.to_owned();
+        }
+        // What a film says is what its codes have to be; one that cannot say is taken by its size.
+        match coded.map(|coded| coded.matrix.clone()) {
+            Some(Some(matrix)) => colour.matrix = matrix,
+            Some(None) => colour.matrix = Colour::usual(recipe.size[1]).matrix,
+            None => {}
         }
         let mut filter = given.map_or_else(String::new, |given| format!("{given},"));
         let matrix = colour.scale_matrix();
         filter += &format!("scale=out_color_matrix={matrix}:out_range={range}:flags={SCALE_FLAGS}");
         let mut tags = Vec::new();
         let mut tag = |name: &str, value: &str| tags.extend([name.to_owned(), value.to_owned()]);
-        if !is_rgb(format) {
+        if !is_rgb(pixels) {
+            // Some encoders read it from the frames, others from the options.
+            filter += &format!(",setparams=colorspace={}:range={range}", colour.matrix);
             tag("-colorspace", &colour.matrix);
             tag("-color_range", range);
         }
@@ -48,7 +70,6 @@ impl Plan {
         if let Some(transfer) = &colour.transfer {
             tag("-color_trc", transfer);
         }
-        options.retain(|option| !option.is_empty());
         Self { filter, tags, options }
     }
 }
@@ -73,24 +94,25 @@ fn is_rgb(name: &str) -> bool {
         .any(|kind| name.starts_with(kind))
 }
 
-/// The pixel format that the encoder will use: found by encoding one black frame to `path`, which is removed again. Options that ffmpeg does not
+/// What the encoder makes of the options: found by encoding one black frame to `path`, which is removed again. Options that ffmpeg does not
 /// take are refused here, before any work.
 ///
 /// # Errors
 /// [`VideoError`] where ffmpeg cannot be started, or refuses.
-pub fn pixel_format(path: &Path, recipe: &Recipe) -> Result<String, VideoError> {
+pub fn coded(path: &Path, recipe: &Recipe) -> Result<Coded, VideoError> {
     if recipe.options.is_empty() {
-        return Ok(usual_format(recipe).to_owned());
+        let matrix = Some(recipe.colour.matrix.clone());
+        return Ok(Coded { pixels: usual_format(recipe).to_owned(), matrix, full: false });
     }
     let mut encoder = Encoder::start(path, recipe, &Plan::new(path, recipe, None))?;
     let [width, height] = recipe.size;
     let frame = vec![0; width * height * if recipe.deep { 6 } else { 3 }];
     encoder.write(&frame, Timing { ticks: 0, base: recipe.base })?;
     encoder.finish()?;
-    let format = pixel_format_of(path);
+    let coded = coded_in(path);
     // Of no effect on what comes: the encoder writes over it.
     let _ = std::fs::remove_file(path);
-    format
+    coded
 }
 
 /// The options as given, or a choice that looks the same as the source.
@@ -126,41 +148,48 @@ fn usual_format(recipe: &Recipe) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Colour;
 
-    fn plan(options: &str, format: &str) -> Plan {
+    fn plan(options: &str, pixels: &str, matrix: Option<&str>) -> Plan {
         let options: Vec<String> = options.split_whitespace().map(str::to_owned).collect();
         let colour = Colour::usual(480);
         let recipe = Recipe {
-            size: [64, 48],
+            size: [64, 720],
             deep: false,
             rate: [25, 1],
             colour: &colour,
             base: [1, 25],
             options: &options,
-            format: None,
+            coded: None,
         };
-        Plan::new(Path::new("a.mkv"), &recipe, Some(format))
+        let coded = Coded {
+            pixels: pixels.to_owned(),
+            matrix: matrix.map(str::to_owned),
+            full: pixels.starts_with("yuvj"),
+        };
+        Plan::new(Path::new("a.mkv"), &recipe, Some(&coded))
     }
 
     #[test]
-    fn the_tags_say_what_was_coded_whatever_the_options_are() {
+    fn the_tags_say_what_is_coded_whatever_the_options_are() {
+        let own = Some("smpte170m");
         let tags = ["-colorspace", "smpte170m", "-color_range", "tv"];
-        assert_eq!(plan("-c:v libx264 -crf 10", "yuv444p").tags, tags);
-        assert_eq!(plan("", "yuv420p").tags, tags);
+        assert_eq!(plan("-c:v libx264 -crf 10", "yuv444p", own).tags, tags);
+        assert_eq!(plan("", "yuv420p", own).tags, tags);
+        for pixels in ["bgr0", "gbrp", "rgb24"] {
+            let rgb = plan("-c:v ffv1", pixels, Some("gbr"));
+            assert!(rgb.tags.is_empty() && !rgb.filter.contains("setparams"), "{pixels}");
+        }
+        let full = plan("-c:v mjpeg", "yuvj420p", Some("bt470bg"));
+        assert!(full.filter.contains("out_range=pc") && full.tags[3] == "pc");
         assert!(
-            plan("-c:v ffv1", "bgr0").tags.is_empty() && plan("-c:v ffv1", "gbrp").tags.is_empty()
+            plan("-c:v libx264 -color_range pc", "yuv420p", own).filter.contains("out_range=pc")
         );
-        let full = plan("-c:v mjpeg", "yuvj420p");
-        assert!(
-            full.filter.contains("out_range=pc")
-                && full.tags.ends_with(&["-color_range".into(), "pc".into()])
-        );
-        assert!(plan("-c:v libx264 -color_range pc", "yuv420p").filter.contains("out_range=pc"));
-        let own = plan("-c:v libx264 -colorspace bt709", "yuv420p");
-        assert!(own.filter.contains("out_color_matrix=bt709") && own.tags[1] == "bt709");
+        // An encoder that says BT.709 whatever it is told gets BT.709; one that says nothing, what its size stands for.
+        let fixed = plan("-c:v dnxhd", "yuv422p", Some("bt709"));
+        assert!(fixed.filter.contains("out_color_matrix=bt709") && fixed.tags[1] == "bt709");
+        assert!(plan("-c:v mpeg4", "yuv420p", None).filter.contains("out_color_matrix=bt709"));
         // Filters that are asked for come before the change to YUV, not in its place.
-        let filtered = plan("-vf hflip -c:v libx264", "yuv420p");
+        let filtered = plan("-vf hflip -c:v libx264", "yuv420p", own);
         assert!(
             filtered.filter.starts_with("hflip,scale=") && filtered.options == ["-c:v", "libx264"]
         );

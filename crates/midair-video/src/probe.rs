@@ -1,7 +1,7 @@
 //! What a film is.
 
-use super::Colour;
 use super::tool::{VideoError, file_argument, not_started, summary};
+use super::{Coded, Colour};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -90,12 +90,20 @@ fn ask(path: &Path) -> Result<Value, VideoError> {
     serde_json::from_slice(&output.stdout).map_err(|error| refused(error.to_string()))
 }
 
-/// The pixel format of a file's first video stream.
-pub(crate) fn pixel_format_of(path: &Path) -> Result<String, VideoError> {
+/// How a film's first stream of pictures is coded, as it says itself.
+pub(crate) fn coded_in(path: &Path) -> Result<Coded, VideoError> {
     let told = ask(path)?;
-    let streams = told["streams"].as_array().into_iter().flatten();
-    let format = streams.filter_map(|stream| stream["pix_fmt"].as_str()).next();
-    format.map(str::to_owned).ok_or_else(|| VideoError::NoVideo { path: path.to_owned() })
+    let mut streams = told["streams"].as_array().into_iter().flatten();
+    let stream = streams.find(|stream| stream["pix_fmt"].is_string());
+    let stream = stream.ok_or_else(|| VideoError::NoVideo { path: path.to_owned() })?;
+    let text = |name: &str| stream[name].as_str().filter(|text| known(text)).map(str::to_owned);
+    let full = text("color_range").as_deref() == Some("pc");
+    Ok(Coded { pixels: text("pix_fmt").unwrap_or_default(), matrix: text("color_space"), full })
+}
+
+/// Whether ffprobe knows what it says.
+fn known(text: &str) -> bool {
+    !matches!(text, "unknown" | "unspecified" | "reserved" | "N/A")
 }
 
 fn film(path: &Path, told: &Value) -> Option<Film> {
@@ -114,11 +122,7 @@ fn film(path: &Path, told: &Value) -> Option<Film> {
     let turned = turned.filter_map(|data| data["rotation"].as_f64()).next().unwrap_or(0.0);
     let size =
         if (turned / 90.0).round() as i64 % 2 == 0 { [width, height] } else { [height, width] };
-    let text = |name: &str| {
-        stream[name]
-            .as_str()
-            .filter(|text| !matches!(*text, "unknown" | "unspecified" | "reserved" | "N/A"))
-    };
+    let text = |name: &str| stream[name].as_str().filter(|text| known(text));
     let rate = fraction(text("avg_frame_rate").unwrap_or_default());
     let seconds = |value: &Value| value["duration"].as_str()?.parse::<f64>().ok();
     let start = stream["start_time"].as_str().and_then(|time| time.parse().ok()).unwrap_or(0.0);

@@ -31,7 +31,7 @@ fn frames_and_their_times_survive_a_lossless_codec_to_the_bit() {
             colour: &colour,
             base: BASE,
             options: &options,
-            format: None,
+            coded: None,
         };
         let mut encoder = Encoder::new(&path, &recipe).unwrap();
         let length = 37 * 26 * if deep { 6 } else { 3 };
@@ -70,7 +70,7 @@ fn parts_are_joined_with_their_times_and_begin_where_they_should() {
             colour: &colour,
             base: BASE,
             options: &[],
-            format: None,
+            coded: None,
         };
         let mut parts = Vec::new();
         for (i, ticks) in TICKS.chunks(2).enumerate() {
@@ -138,7 +138,7 @@ fn what_ffmpeg_complains_of_is_passed_on() {
         colour: &colour,
         base: [1, 25],
         options: &options,
-        format: None,
+        coded: None,
     };
     // Asked for one frame first, before any work.
     let error = Encoder::new(&path, &recipe).err().unwrap().to_string();
@@ -170,7 +170,7 @@ fn colours_come_back_within_the_roundings_of_yuv() {
                 colour: &colour,
                 base: [1, 25],
                 options: &options,
-                format: None,
+                coded: None,
             };
             let mut encoder = Encoder::new(&path, &recipe).unwrap();
             let light = |i: usize, c: usize| ((i / 96 * 3 + i % 96 * (c + 1)) * 2 % 256) as u8;

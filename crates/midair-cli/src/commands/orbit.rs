@@ -224,7 +224,7 @@ fn film(
                     colour: &colour,
                     base: [1, 30],
                     options: &[],
-                    format: None,
+                    coded: None,
                 };
                 encoder = Some(Encoder::new(path, &recipe)?);
             }

@@ -13,7 +13,7 @@ use midair::map::Map;
 use midair::map::format::FileError;
 use midair::picture::{Curve, Depth, Evening, Sequence, read_still, wide, write_still};
 use midair_video::{
-    Colour, Encoder, Extras, Film, Joining, Recipe, VideoError, join, pixel_format, probe,
+    Colour, Encoder, Extras, Film, Joining, Recipe, VideoError, coded, join, probe,
 };
 use serde_json::{Value, json};
 use std::path::Path;
@@ -239,9 +239,9 @@ impl Work<'_> {
             colour: self.colour,
             base: [self.rate[1].max(1), self.rate[0].max(1)],
             options: &arguments.encoder,
-            format: None,
+            coded: None,
         };
-        let format = pixel_format(&job.path(format!("trial.{extension}")), &usual)
+        let coded = coded(&job.path(format!("trial.{extension}")), &usual)
             .map_err(|error| self.encoder_failed(error))?;
         let frames = source(resumed)?;
         let (start, bar) = (Instant::now(), Bar::new());
@@ -253,7 +253,7 @@ impl Work<'_> {
             let (begin, base) = (timing.seconds(), timing.base);
             let index = pieces.len();
             let making = job.path(&Piece::names(index, extension)[0]);
-            let recipe = Recipe { base, format: Some(&format), ..usual.clone() };
+            let recipe = Recipe { base, coded: Some(&coded), ..usual.clone() };
             let mut encoder = Encoder::new(&making, &recipe)?;
             // Encoding goes on while the next frame is warped.
             let (sender, warped) = sync_channel::<Frame>(WAITING);
