@@ -30,14 +30,6 @@ impl GainMode {
             Self::Soft => Overflow::Soft,
         }
     }
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Fit => "fit",
-            Self::Clip => "clip",
-            Self::Soft => "soft",
-        }
-    }
 }
 
 /// Width and height in pixels, written `1024x768`.

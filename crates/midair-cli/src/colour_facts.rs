@@ -4,6 +4,7 @@ use crate::commands::check::Stray;
 use crate::failure::Failure;
 use crate::report_page::figure;
 use crate::summary::{number, percent};
+use midair::clock::Laps;
 use midair::evaluate::colour::{Evenness, FringeWidth, Fringes, evenness, fringes};
 use midair::evaluate::proof::Settings;
 use midair::files::Output;
@@ -14,7 +15,7 @@ use midair::scene::model::{PlateModel, Scene};
 use midair::transport::Setup;
 use midair_report::page::{Block, Cell, Figure, FigureError, Section, SummaryRow, Table};
 use serde_json::{Value, json};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Brightness, fringes where a material disperses, and stray light.
 pub struct Colour {
@@ -36,22 +37,17 @@ impl Colour {
         settings: &Settings,
         map: &Map,
     ) -> Result<Self, Failure> {
-        let mut timings = Vec::new();
-        let mut last = Instant::now();
-        let mut lap = |name: &'static str| {
-            timings.push((name, last.elapsed()));
-            last = Instant::now();
-        };
+        let mut laps = Laps::start();
         let evenness = evenness(setup, setup.view_size(FIELD));
-        lap("brightness");
+        laps.lap("brightness");
         let fringes = match setup.disperses() {
             true => Some(fringes(setup, map, &settings.lattice, settings.view[0])?),
             false => None,
         };
-        lap("fringes");
+        laps.lap("fringes");
         let stray = Stray::at_least_usual(&loaded.scene.plate.model, setup, map)?;
-        lap("stray");
-        Ok(Self { evenness, fringes, stray, timings })
+        laps.lap("stray");
+        Ok(Self { evenness, fringes, stray, timings: laps.into_all() })
     }
 
     /// For report.json.

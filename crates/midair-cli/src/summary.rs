@@ -7,7 +7,7 @@ pub use midair_report::percent;
 use serde_json::{Value, json};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// How the user wants to be told.
 #[derive(Clone, Copy, Debug)]
@@ -65,28 +65,6 @@ pub fn counts_line(counts: &Counts) -> String {
         share(counts.outside),
         share(counts.blocked)
     )
-}
-
-/// The stages of a command's work and the time that each took.
-pub struct Laps {
-    last: Instant,
-    all: Vec<(&'static str, Duration)>,
-}
-
-impl Laps {
-    pub fn start() -> Self {
-        Self { last: Instant::now(), all: Vec::new() }
-    }
-
-    /// A stage has ended.
-    pub fn lap(&mut self, name: &'static str) {
-        self.all.push((name, self.last.elapsed()));
-        self.last = Instant::now();
-    }
-
-    pub fn all(&self) -> &[(&'static str, Duration)] {
-        &self.all
-    }
 }
 
 /// Stages and their times in ms, as in report.json.

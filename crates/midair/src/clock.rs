@@ -66,6 +66,37 @@ impl Stopwatch {
     }
 }
 
+/// The stages of some work and the time that each took.
+#[derive(Clone, Debug)]
+pub struct Laps {
+    stopwatch: Stopwatch,
+    all: Vec<(&'static str, Duration)>,
+}
+
+impl Laps {
+    /// The first stage starts now.
+    pub fn start() -> Self {
+        Self { stopwatch: Stopwatch::start(), all: Vec::new() }
+    }
+
+    /// A stage has ended, and the next one starts. The time that it took.
+    pub fn lap(&mut self, name: &'static str) -> Duration {
+        let time = self.stopwatch.lap();
+        self.all.push((name, time));
+        time
+    }
+
+    /// The stages that have ended.
+    pub fn all(&self) -> &[(&'static str, Duration)] {
+        &self.all
+    }
+
+    /// The stages that have ended, to keep.
+    pub fn into_all(self) -> Vec<(&'static str, Duration)> {
+        self.all
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

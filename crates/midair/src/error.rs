@@ -1,11 +1,9 @@
 //! What went wrong, for a person: what, where, and what helps.
 
-use crate::evaluate::paper::PaperError;
 use crate::evaluate::proof::ProofError;
 use crate::map::format::{FileError, io_remedy};
 use crate::measure::SimilarityError;
 use crate::measure::lattice::LatticeStyleError;
-use crate::measure::lpips::LpipsError;
 use crate::optics::plate::PlateError;
 use crate::picture::WarpError;
 use crate::picture::optimal::OptimalError;
@@ -185,14 +183,16 @@ impl From<ProofError> for Error {
     }
 }
 
-impl From<PaperError> for Error {
-    fn from(error: PaperError) -> Self {
+#[cfg(feature = "lpips")]
+impl From<crate::evaluate::paper::PaperError> for Error {
+    fn from(error: crate::evaluate::paper::PaperError) -> Self {
         Self::new(Kind::Request, None, error.to_string(), None)
     }
 }
 
-impl From<LpipsError> for Error {
-    fn from(error: LpipsError) -> Self {
+#[cfg(feature = "lpips")]
+impl From<crate::measure::lpips::LpipsError> for Error {
+    fn from(error: crate::measure::lpips::LpipsError) -> Self {
         Self::new(Kind::File, None, error.to_string(), None)
     }
 }

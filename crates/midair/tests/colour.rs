@@ -167,7 +167,7 @@ fn centres(view: &Render) -> [f64; 3] {
 #[test]
 fn a_map_for_each_colour_takes_the_fringes_away() {
     let loaded = scene(0.0, FLINT);
-    assert!(loaded.scene.disperses());
+    assert!(Setup::new(&loaded).unwrap().disperses());
     // A white line in the middle of the picture.
     let (size, middle) = (129, 64);
     let mut picture = Picture::filled(size, size, [0.0, 0.0, 0.0, 1.0]);

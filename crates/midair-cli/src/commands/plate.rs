@@ -10,7 +10,7 @@ use midair::optics::plate::character::{
     over_directions, over_viewpoints, point_spread,
 };
 use midair::optics::plate::{
-    Class, Model, Plate, Shares, SlitMirror, SlitMirrorPlate, luminance, viewing_angles,
+    Class, Shares, SlitMirror, SlitMirrorPlate, luminance, viewing_angles,
 };
 use midair::picture::{Depth, Picture, write_still};
 use midair::scene::Loaded;
@@ -128,13 +128,9 @@ impl Character {
         }
         let model = SlitMirrorPlate::new(parameters)
             .map_err(|error| Failure::new(error.to_string(), format!("give {}", error.allowed)))?;
-        let mut setup = Setup::new(loaded)?.unobstructed();
-        if loaded.scene.plate.model == PlateModel::Ideal {
-            let mut plate = Plate::new(setup.plate.rectangle, Model::from(model.clone()));
-            if let Some(table) = &loaded.luminance {
-                plate = plate.with_luminance(table.clone(), &setup.image.frame);
-            }
-            setup.plate = plate;
+        let mut setup = Setup::new(loaded)?.unobstructed().with_plate(model.clone().into());
+        if let Some(table) = &loaded.luminance {
+            setup.plate = setup.plate.with_luminance(table.clone(), &setup.image.frame);
         }
         let plate = &setup.plate;
         let centre = setup.image.frame.origin;

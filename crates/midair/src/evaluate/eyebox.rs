@@ -85,7 +85,7 @@ pub struct Remaining {
 /// The displacement that remains for the viewpoint whose own map is `own` if the display shows what `shown` says; the image is
 /// `size` mm large. Both maps are of one size.
 pub fn remaining(shown: &Map, own: &Map, size: [f64; 2]) -> Remaining {
-    let (mut pixels, mut sum, mut squares, mut max) = (0, 0.0, 0.0, 0.0f64);
+    let (mut pixels, mut sum, mut squares, mut max) = (0_u32, 0.0, 0.0, 0.0f64);
     for pixel in 0..shown.uv.len().min(own.uv.len()) {
         let (Some(a), Some(b)) = (shown.answer(pixel), own.answer(pixel)) else { continue };
         let off = ((a[0] - b[0]) * size[0]).hypot((a[1] - b[1]) * size[1]);

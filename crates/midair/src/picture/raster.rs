@@ -2,11 +2,9 @@
 
 use super::profile::{self, Encoding, Told, Transfer};
 use super::{Depth, Picture, Still, srgb, wide};
-use crate::map::format::{FileError, MAX_PIXELS, check_size};
-use image::metadata::Orientation;
-use image::{DynamicImage, ImageDecoder as _, ImageFormat, ImageReader};
+use crate::map::format::{CUT, FileError, ImageBytes};
+use image::{DynamicImage, ImageDecoder as _, ImageFormat};
 use rayon::prelude::*;
-use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
@@ -41,47 +39,25 @@ pub(super) fn decode(path: &Path, bytes: &[u8], format: ImageFormat) -> Result<S
     Ok(Still { picture: linearise(image, &told.encoding), depth, notes })
 }
 
-const CUT: &str = "it seems cut short: copy or export it again";
-
 fn samples(
     path: &Path,
     bytes: &[u8],
     format: ImageFormat,
 ) -> Result<(DynamicImage, Told), FileError> {
     let kind = KINDS.iter().find(|(known, _)| *known == format).map_or("picture", |known| known.1);
-    let bad = |place: &str, error: image::ImageError| {
-        let remedy = match &error {
-            image::ImageError::IoError(_) => CUT,
-            _ => "it seems damaged, or of a rare kind: export it again",
-        };
-        FileError::malformed(path, place, format!("{kind}: {error}"), remedy)
-    };
+    let damaged = "it seems damaged, or of a rare kind: export it again";
+    let file = ImageBytes { path, bytes, format, kind, damaged };
     if format == ImageFormat::Jpeg && !super::jpeg::is_whole(bytes) {
         let problem = "JPEG: it ends before its picture does";
         return Err(FileError::malformed(path, "pixels", problem, CUT));
     }
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-    let mut limits = image::Limits::default();
-    limits.max_alloc = Some(MAX_PIXELS * 8);
-    reader.limits(limits);
-    let mut decoder = reader.into_decoder().map_err(|error| bad("header", error))?;
-    let (width, height) = decoder.dimensions();
-    check_size(path, u64::from(width), u64::from(height))?;
-    // Deflate packs at most 1032 bytes in one, and a palette's bit becomes three bytes; a JPEG
-    // block of 64 pixels takes bits, too. A larger claim is a cut or hostile file.
-    if format != ImageFormat::WebP && decoder.total_bytes() / 32768 > bytes.len() as u64 {
-        let problem =
-            format!("{kind}: {width} x {height} pixels cannot come from {} bytes", bytes.len());
-        return Err(FileError::malformed(path, "header", problem, CUT));
-    }
+    let mut decoder = file.decoder()?;
     let mut icc = decoder.icc_profile().ok().flatten();
     if format == ImageFormat::Tiff {
         // The decoder reads tags of bytes; profiles are tags of undefined type.
         icc = icc.or_else(|| super::tiff::profile(bytes));
     }
-    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
-    let mut image = DynamicImage::from_decoder(decoder).map_err(|error| bad("pixels", error))?;
-    image.apply_orientation(orientation);
+    let image = file.upright(decoder)?;
     let mut told = profile::read(bytes, format, icc.as_deref(), !image.color().has_color());
     if depth_is_float(&image) && icc.is_none() {
         told = profile::linear();

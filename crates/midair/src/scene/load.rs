@@ -304,7 +304,7 @@ mod tests {
     #[test]
     fn a_glass_file_gives_index_and_absorption() {
         let loaded = ball(GLASS, "", "").unwrap();
-        assert!(loaded.scene.disperses());
+        assert!(Setup::new(&loaded).unwrap().disperses());
         let known = crate::optics::glass::lookup("N-BK7").unwrap();
         // k rises from 1e-7 by 1e-8 every 0.01 micrometres; 4 pi k / lambda.
         let expected = [0.611, 0.549, 0.465]

@@ -55,14 +55,6 @@ pub struct Tracker {
 }
 
 impl Scene {
-    /// Whether the index of any element depends on the wavelength.
-    pub fn disperses(&self) -> bool {
-        self.elements.iter().any(|element| match &element.material {
-            Material::Refractive { index, .. } => !matches!(index, Index::Constant(_)),
-            Material::Mirror { .. } => false,
-        })
-    }
-
     /// The files that it names, relative to the scene file.
     pub fn files(&self) -> Vec<&Path> {
         let response = match &self.display.response {

@@ -89,11 +89,6 @@ impl Setup {
         Self { resolution, ..self.clone() }
     }
 
-    /// The same with the display at another place.
-    pub fn with_display(&self, display: Rectangle) -> Self {
-        Self { display, ..self.clone() }
-    }
-
     /// The same with a plate of another model in the plate's place.
     pub fn with_plate(&self, model: Model) -> Self {
         Self { plate: Plate::new(self.plate.rectangle, model), ..self.clone() }

@@ -138,7 +138,7 @@ impl Ready {
 fn evened(mode: GainMode, level: f64) -> String {
     format!(
         "uniformity correction by the map's gain ({}): white is {:.1} % of the display's",
-        mode.name(),
+        mode.overflow().name(),
         100.0 * level
     )
 }

@@ -39,7 +39,7 @@ fn description(arguments: &Arguments, map: &Map) -> Value {
         "input": arguments.input.display().to_string(),
         "bytes": state.map(|state| state.len()),
         "changed": changed.map(|time| format!("{}.{:09}", time.as_secs(), time.subsec_nanos())),
-        "gain": arguments.gain.map(GainMode::name),
+        "gain": arguments.gain.map(|mode| mode.overflow().name()),
         "no_gain": arguments.no_gain,
         "filter": format!("{:?}", arguments.filter),
         "rate": arguments.rate,

@@ -3,9 +3,10 @@
 use crate::arguments::{GainMode, Size, check_view, map_formats, open_picture, open_scene};
 use crate::failure::Failure;
 use crate::progress::Bar;
-use crate::summary::{Laps, Voice, counts_line, paths, percent, timings, wrote};
+use crate::summary::{Voice, counts_line, paths, percent, timings, wrote};
 use clap::ValueEnum;
 use midair::Monitor as _;
+use midair::clock::Laps;
 use midair::compensate::{self, Brightness, Compensation, Options};
 use midair::files::{Output, write_bytes_atomically};
 use midair::map::format::Format;

@@ -185,7 +185,7 @@ pub fn run(options: &Options, shot: Shot, voice: Voice) -> Result<ExitCode, Fail
 
     voice.note(&notes);
     let told = Told { loaded: &loaded, viewer: &viewer, model: &model, settings, light };
-    let dispersion = loaded.scene.disperses();
+    let dispersion = setup.disperses();
     let mut value = told.json(&view, dispersion);
     value["exposure"] = json!(factor);
     value["timings_ms"] = json!({ "view": milliseconds(time) });

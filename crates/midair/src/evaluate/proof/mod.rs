@@ -13,7 +13,7 @@ pub use displacement::Shape;
 pub use likeness::{Likeness, Region};
 
 use crate::Monitor;
-use crate::clock::Stopwatch;
+use crate::clock::{Laps, Stopwatch};
 use crate::compensate::{AsIs, uncompensated_map};
 use crate::map::{Accuracy, Effort, Formation, Map, formation, invert};
 use crate::measure::SimilarityError;
@@ -136,16 +136,16 @@ pub fn prove(
     settings: &Settings,
     monitor: &dyn Monitor,
 ) -> Result<Proof, ProofError> {
-    let mut clock = Clock::start();
+    let mut laps = Laps::start();
 
     monitor.stage("map", 1);
     let (map, effort) = invert(setup, Accuracy::default());
-    let map_time = clock.lap("map");
+    let map_time = laps.lap("map");
 
     monitor.stage("what can be formed", 1);
     let formation = formation(setup, &map, settings.view);
     let region = Region::of(&formation);
-    clock.lap("formation");
+    laps.lap("formation");
 
     let camera = Camera {
         eye: setup.viewpoint,
@@ -159,7 +159,7 @@ pub fn prove(
     let open = Reference::new(setup, &camera);
     let open_samples = ViewSamples::of(&open, &|rows| monitor.advance(rows));
     let reference_completed = open.completed();
-    clock.lap("view_rays");
+    laps.lap("view_rays");
 
     let [width, height] = setup.resolution;
     let as_is = uncompensated_map(setup);
@@ -187,7 +187,7 @@ pub fn prove(
     let scattered = shown(display, time)?;
     let (display, time) = timed(&|| best(&samples, &reference, &compensated.display))?;
     let optimal = shown(display, time)?;
-    clock.lap("pictures");
+    laps.lap("pictures");
 
     monitor.stage("lattice", 3);
     // Twice as fine as view and display, so that display pixels average over exact shares of the lines' edges.
@@ -208,7 +208,7 @@ pub fn prove(
         monitor.advance(1);
         LatticeProof { reference: flat, compensated, uncompensated }
     };
-    clock.lap("lattice");
+    laps.lap("lattice");
 
     let splat = match settings.splat_spp {
         0 => None,
@@ -218,7 +218,7 @@ pub fn prove(
             let start = Stopwatch::start();
             let display = display_image(picture, &baseline.map);
             let shown = shown(display, start.elapsed())?;
-            clock.lap("splat");
+            laps.lap("splat");
             Some(Baseline { shown: Some(shown), ..baseline })
         }
     };
@@ -236,7 +236,7 @@ pub fn prove(
         optimal,
         lattice,
         splat,
-        timings: clock.laps,
+        timings: laps.into_all(),
     })
 }
 
@@ -247,24 +247,6 @@ fn best(
 ) -> Result<Picture, OptimalError> {
     let best = optimal_display(samples, target.clone(), initial.clone(), Weighting::default())?;
     Ok(best.display)
-}
-
-/// Stages and their times.
-struct Clock {
-    stopwatch: Stopwatch,
-    laps: Vec<(&'static str, Duration)>,
-}
-
-impl Clock {
-    fn start() -> Self {
-        Self { stopwatch: Stopwatch::start(), laps: Vec::new() }
-    }
-
-    fn lap(&mut self, name: &'static str) -> Duration {
-        let time = self.stopwatch.lap();
-        self.laps.push((name, time));
-        time
-    }
 }
 
 #[cfg(test)]

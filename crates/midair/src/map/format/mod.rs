@@ -27,7 +27,7 @@ pub use exr_channels::{Channels, MAX_PIXELS, SampleKind, decode_channels, write_
 pub(crate) use exr_channels::{ExrFile, check_size, encode_channels};
 pub(crate) use exr_layers::{PictureChannels, read_picture};
 pub use kind::{Format, UnknownFormat};
-pub(crate) use png::encode_png;
+pub(crate) use png::{CUT, ImageBytes, encode_png};
 
 use super::{Gain, Map, Status};
 use std::path::{Path, PathBuf};

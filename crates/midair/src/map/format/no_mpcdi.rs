@@ -8,7 +8,7 @@ pub(super) fn write(_: &Map, _: [usize; 2], path: &Path) -> Result<(), FileError
     Err(absent(path))
 }
 
-pub(super) fn read(path: &Path, _: &[u8]) -> Result<LoadedMap, FileError> {
+pub(super) fn read(path: &Path, _: &[u8], _: Option<&str>) -> Result<LoadedMap, FileError> {
     Err(absent(path))
 }
 

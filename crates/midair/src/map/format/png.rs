@@ -25,31 +25,80 @@ pub(super) fn decode_samples(path: &Path, bytes: &[u8]) -> Result<DynamicImage, 
 }
 
 fn decode_unguarded(path: &Path, bytes: &[u8]) -> Result<DynamicImage, FileError> {
-    let bad = |place: &str, error: image::ImageError| {
-        let remedy = match &error {
-            image::ImageError::IoError(_) => "it seems cut short: copy or export it again",
-            _ => "it seems damaged: export it again",
-        };
-        FileError::malformed(path, place, format!("PNG: {error}"), remedy)
+    let file = ImageBytes {
+        path,
+        bytes,
+        format: ImageFormat::Png,
+        kind: "PNG",
+        damaged: "it seems damaged: export it again",
     };
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png);
-    let mut limits = image::Limits::default();
-    limits.max_alloc = Some(MAX_PIXELS * 8);
-    reader.limits(limits);
-    let mut decoder = reader.into_decoder().map_err(|error| bad("header", error))?;
-    let (width, height) = decoder.dimensions();
-    check_size(path, u64::from(width), u64::from(height))?;
-    // Deflate packs at most 1032 bytes in one, and a palette's bit becomes three bytes. A larger claim is a cut or hostile file.
-    if decoder.total_bytes() / 32768 > bytes.len() as u64 {
-        let problem =
-            format!("PNG: {width} x {height} pixels cannot come from {} bytes", bytes.len());
-        let remedy = "it seems cut short: copy or export it again";
-        return Err(FileError::malformed(path, "header", problem, remedy));
+    file.upright(file.decoder()?)
+}
+
+/// The bytes of an image file, not to be trusted.
+#[derive(Clone, Copy)]
+pub(crate) struct ImageBytes<'a> {
+    /// Names the file in messages.
+    pub path: &'a Path,
+    /// All that it holds.
+    pub bytes: &'a [u8],
+    /// What it is.
+    pub format: ImageFormat,
+    /// The same in words.
+    pub kind: &'a str,
+    /// What helps where it cannot be decoded and is not cut short.
+    pub damaged: &'a str,
+}
+
+/// What helps with a file that ends too soon.
+pub(crate) const CUT: &str = "it seems cut short: copy or export it again";
+
+impl<'a> ImageBytes<'a> {
+    /// A decoder that has read the header, of no more pixels than the file can hold.
+    ///
+    /// # Errors
+    /// [`FileError::Malformed`] where the header is cut short or damaged, or claims no or too many pixels.
+    pub(crate) fn decoder(&self) -> Result<impl ImageDecoder + use<'a>, FileError> {
+        let Self { path, bytes, format, kind, .. } = *self;
+        let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+        let mut limits = image::Limits::default();
+        limits.max_alloc = Some(MAX_PIXELS * 8);
+        reader.limits(limits);
+        let decoder = reader.into_decoder().map_err(|error| self.fault("header", error))?;
+        let (width, height) = decoder.dimensions();
+        check_size(path, u64::from(width), u64::from(height))?;
+        // Deflate packs at most 1032 bytes in one, and a palette's bit becomes three bytes; a JPEG
+        // block of 64 pixels takes bits, too. A larger claim is a cut or hostile file.
+        if format != ImageFormat::WebP && decoder.total_bytes() / 32768 > bytes.len() as u64 {
+            let problem =
+                format!("{kind}: {width} x {height} pixels cannot come from {} bytes", bytes.len());
+            return Err(FileError::malformed(path, "header", problem, CUT));
+        }
+        Ok(decoder)
     }
-    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
-    let mut image = DynamicImage::from_decoder(decoder).map_err(|error| bad("pixels", error))?;
-    image.apply_orientation(orientation);
-    Ok(image)
+
+    /// The samples, turned as the file says.
+    ///
+    /// # Errors
+    /// [`FileError::Malformed`] where they are cut short or damaged.
+    pub(crate) fn upright(
+        &self,
+        mut decoder: impl ImageDecoder,
+    ) -> Result<DynamicImage, FileError> {
+        let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+        let decoded = DynamicImage::from_decoder(decoder);
+        let mut image = decoded.map_err(|error| self.fault("pixels", error))?;
+        image.apply_orientation(orientation);
+        Ok(image)
+    }
+
+    fn fault(&self, place: &str, error: image::ImageError) -> FileError {
+        let remedy = match &error {
+            image::ImageError::IoError(_) => CUT,
+            _ => self.damaged,
+        };
+        FileError::malformed(self.path, place, format!("{}: {error}", self.kind), remedy)
+    }
 }
 
 /// Encodes samples in the machine's byte order as PNG.
