@@ -110,12 +110,12 @@ fn a_cube_and_a_cylinder_are_sharp_where_they_are() {
 }
 
 #[test]
-#[ignore = "open: blunt cones of few sides turn by 0.23 at the tip"]
 fn cones_keep_their_slope_up_to_the_tip() {
     let segments = 64;
     let step = TAU / segments as f64;
-    // A pointed cone, an axicon so flat that its tip is no sharp point, and one that is cut off.
-    for (radius, height, top) in [(20.0, 30.0, 0.0), (20.0, 3.0, 0.0), (20.0, 30.0, 5.0)] {
+    // A pointed cone, an axicon so flat that its tip is no sharp point, and one that is cut off; each meets its rod in an edge that is sharper
+    // than the crease angle (34, 81 and 37 degrees).
+    for (radius, height, top) in [(20.0, 30.0, 0.0), (20.0, 3.0, 0.0), (20.0, 20.0, 5.0)] {
         for rings in [1, 5] {
             let mut profile = vec![[0.0, -10.0], [radius, -10.0]];
             profile.extend((0..=rings).map(|k| {
