@@ -228,7 +228,7 @@ fn indented(output: &str) -> String {
 
 /// The PATH with the folder of the built program in front.
 fn path_with_midair() -> Result<std::ffi::OsString> {
-    let built = release_folder();
+    let built = program_folder(Profile::Dev);
     if !built.join(format!("midair{}", std::env::consts::EXE_SUFFIX)).exists() {
         return Err(anyhow!("{} holds no midair: build it first", built.display()));
     }
@@ -237,10 +237,23 @@ fn path_with_midair() -> Result<std::ffi::OsString> {
     Ok(std::env::join_paths(places)?)
 }
 
-/// Where `cargo build --release` puts programs.
-pub fn release_folder() -> PathBuf {
+/// How programs are built.
+#[derive(Clone, Copy)]
+pub enum Profile {
+    /// As the tests are, so that what they have built serves.
+    Dev,
+    /// As users build them.
+    Release,
+}
+
+/// Where cargo puts programs.
+pub fn program_folder(profile: Profile) -> PathBuf {
     let target = std::env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
-    crate::root().join(target.unwrap_or_else(|| PathBuf::from("target"))).join("release")
+    let folder = match profile {
+        Profile::Dev => "debug",
+        Profile::Release => "release",
+    };
+    crate::root().join(target.unwrap_or_else(|| PathBuf::from("target"))).join(folder)
 }
 
 fn copy_folder(from: &Path, to: &Path) -> Result<()> {
@@ -278,9 +291,9 @@ mod tests {
     #[test]
     fn a_dead_link_is_told_with_its_line() {
         let page = Path::new("docs/here");
-        let error = links(page, "a\n\n[b](../Cargo.toml) [c](none.md#part)\n").unwrap_err();
+        let error = links(page, "a\n\n[b](../Cargo.toml) [c](nowhere.txt#part)\n").unwrap_err();
         assert!(
-            error.to_string().contains("docs/here:3") && error.to_string().contains("none.md")
+            error.to_string().contains("docs/here:3") && error.to_string().contains("nowhere.txt")
         );
         links(page, "[a](https://example.org/) [b](../Cargo.toml#x) [c](#here)").unwrap();
     }

@@ -108,7 +108,7 @@ fn plate(out: &Path, pictures: &Path) -> Result<()> {
 }
 
 fn midair() -> Command {
-    let mut command = Command::new(book::release_folder().join("midair"));
+    let mut command = Command::new(book::program_folder(book::Profile::Release).join("midair"));
     command.current_dir(crate::root());
     command
 }

@@ -15,7 +15,7 @@ const COMMANDS_PAGE: &str = "docs/reference/commands.md";
 pub fn write() -> Result<()> {
     process::run(
         Command::new(std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned()))
-            .args(["build", "--quiet", "--release", "--package", "midair-cli"])
+            .args(["build", "--quiet", "--workspace", "--all-targets"])
             .current_dir(crate::root()),
     )?;
     for (page, name, text) in generated()? {
@@ -48,7 +48,7 @@ fn generated() -> Result<[(&'static str, &'static str, String); 2]> {
 
 /// What the program prints.
 fn midair(arguments: &[&str]) -> Result<String> {
-    let mut command = Command::new(book::release_folder().join("midair"));
+    let mut command = Command::new(book::program_folder(book::Profile::Dev).join("midair"));
     // The width of help must not depend on the terminal.
     let output = command.args(arguments).env("COLUMNS", "100").output();
     let output = output.with_context(|| format!("cannot run `{}`", process::shown(&command)))?;

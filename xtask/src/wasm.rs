@@ -3,6 +3,7 @@
 //! Where rustup brings the target, that is used. Where it cannot (a machine that reaches package mirrors only), Debian's `rustc-web`, unpacked into
 //! the build folder and never installed, builds the standard library from Debian's sources of it.
 
+use crate::book::{self, Profile};
 use crate::test::Tally;
 use crate::{process, setup};
 use anyhow::{Context, Result, bail};
@@ -31,15 +32,21 @@ pub fn install() -> Result<()> {
     })
 }
 
-/// Builds the package for WebAssembly and for this machine; the latter runs the former under node and compares.
+/// Builds the package for WebAssembly and for this machine, both as the tests are built (optimised, with overflow checks); the latter runs the
+/// former under node and compares.
 pub fn run() -> Tally {
     let module = match build() {
         Ok(module) => module,
         Err(error) => return Tally::of(Err(error)),
     };
-    let mut command = process::cargo(&["run", "--quiet", "--release", "--package", PACKAGE]);
+    let built =
+        process::run(&mut process::cargo(&["build", "--quiet", "--workspace", "--all-targets"]));
+    if built.is_err() {
+        return Tally::of(built);
+    }
+    let mut command = Command::new(book::program_folder(Profile::Dev).join(PACKAGE));
     // One thread here as well, so that times compare.
-    command.arg("--").arg(module).env("RAYON_NUM_THREADS", "1");
+    command.arg(module).env("RAYON_NUM_THREADS", "1");
     let mut tally = Tally::default();
     let status = process::run_watched(&mut command, |line| {
         tally.passed += usize::from(line.starts_with("ok: "));
@@ -59,7 +66,7 @@ pub fn run() -> Tally {
 
 /// Builds the module; where it lies.
 fn build() -> Result<PathBuf> {
-    let mut command = process::cargo(&["build", "--quiet", "--lib", "--release"]);
+    let mut command = process::cargo(&["build", "--quiet", "--lib"]);
     command.args(["--package", PACKAGE, "--target", TARGET]);
     let folder = crate::root().join("target/wasm-build");
     command.arg("--target-dir").arg(&folder);
@@ -75,7 +82,7 @@ fn build() -> Result<PathBuf> {
         command.env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER", linker()?);
     }
     process::run(&mut command)?;
-    Ok(folder.join(TARGET).join("release").join(format!("{}.wasm", PACKAGE.replace('-', "_"))))
+    Ok(folder.join(TARGET).join("debug").join(format!("{}.wasm", PACKAGE.replace('-', "_"))))
 }
 
 /// Whether the toolchain in use has the target's standard library.

@@ -106,7 +106,7 @@ pub fn map_formats() -> impl clap::builder::TypedValueParser<Value = Format> {
 pub fn open_scene(path: &Path, size: Option<Size>) -> Result<Loaded, Failure> {
     inputs().add(path);
     let mut loaded = load(path)?;
-    loaded.scene.files().into_iter().for_each(|file| inputs().add(&loaded.folder.join(file)));
+    loaded.files.iter().for_each(|file| inputs().add(file));
     if let Some(Size(size)) = size {
         loaded.scene.display.resolution = size;
     }

@@ -2,14 +2,12 @@
 
 use midair::clock::Stopwatch;
 use midair::evaluate::proof::{Settings, prove};
-use midair::geometry::mesh::{self, MeshFormat, Surface};
 use midair::map::{Accuracy, Map, invert};
 use midair::picture::{Picture, decode_still, display_image};
-use midair::scene::{Asset, Format, Loaded, load_text};
+use midair::scene::{Format, InMemory, Loaded, load_text};
 use midair::simulate::{self, Camera, Light, Viewer, render};
 use midair::transport::Setup;
 use std::path::Path;
-use std::sync::Arc;
 use std::time::Duration;
 
 /// What is asked for, and how alike the answers must be.
@@ -38,13 +36,13 @@ pub const TASKS: [Task; 6] = [
     Task { name: "display image and gain", run: shown, tolerance: 1e-5, apart: 1e-4 },
 ];
 
-fn scene(text: &str) -> Loaded {
-    load_text(text, "scene.toml", Format::Toml).expect("the scene is one of ours")
+fn scene(text: &str, files: &InMemory) -> Loaded {
+    load_text(text, "scene.toml", Format::Toml, files).expect("the scene is one of ours")
 }
 
 /// The paper's ball before a display of so many pixels along each side.
 fn paper_setup(pixels: usize) -> Setup {
-    Setup::new(&scene(include_str!("../../../scenes/paper/sphere.toml")))
+    Setup::new(&scene(include_str!("../../../scenes/paper/sphere.toml"), &InMemory::new()))
         .expect("a ball can be traced")
         .with_resolution([pixels; 2])
 }
@@ -70,21 +68,8 @@ pub fn time_of_map() -> Duration {
 
 fn cow() -> Vec<f64> {
     let text = include_str!("../../../scenes/spot.toml");
-    // The file is read here, from memory; any shape keeps its place until then.
-    let mesh_shape = "{ kind = \"mesh\", file = \"meshes/spot.obj\", scale = 40.0 }";
-    assert!(text.contains(mesh_shape));
-    let mut loaded = scene(&text.replace(mesh_shape, "{ kind = \"sphere\", radius = 30.0 }"));
-    let bytes = include_bytes!("../../../scenes/meshes/spot.obj");
-    let raw =
-        mesh::read(bytes, MeshFormat::Obj, "spot.obj", None).expect("the mesh is one of ours");
-    let (mesh, _) = mesh::mend(raw, "spot.obj", Surface::Closed).expect("it is closed");
-    loaded.scene.elements[0].shape = midair::scene::model::Shape::Mesh {
-        file: "spot.obj".into(),
-        scale: 40.0,
-        unit: 1.0,
-        normals: midair::scene::model::Normals::Smooth,
-    };
-    loaded.assets = vec![Asset::Mesh(Arc::new(mesh.scaled(40.0).with_smooth_normals()))];
+    let mesh = include_bytes!("../../../scenes/meshes/spot.obj");
+    let loaded = scene(text, &InMemory::new().with("meshes/spot.obj", *mesh));
     let setup = Setup::new(&loaded).expect("the cow can be traced").with_resolution([96; 2]);
     numbers(&invert(&setup, Accuracy::default()).0)
 }
@@ -106,7 +91,9 @@ fn samples(picture: &Picture) -> Vec<f64> {
 
 fn rendered() -> Vec<f64> {
     let text = include_str!("../../../scenes/plate.toml");
-    let setup = Setup::new(&scene(text)).expect("the scene can be traced").with_resolution([64; 2]);
+    let setup = Setup::new(&scene(text, &InMemory::new()))
+        .expect("the scene can be traced")
+        .with_resolution([64; 2]);
     let camera = Camera { eye: setup.viewpoint, size: [48; 2], window: 1.0, supersampling: 1 };
     let viewer = Viewer { camera, aperture: 4.0, focus: None };
     let settings = simulate::Settings { samples_per_pixel: 16, seed: 1 };

@@ -3,6 +3,21 @@
 //! [`Output`] makes files in a hidden folder beside their place and moves them there at the end; [`Inputs`] are the files that the work
 //! reads, which no output may replace. [`Kept`] holds the pieces of work that can be gone on with after an interruption.
 //! [`write_atomically`] is for one file by itself.
+//!
+//! ```
+//! use midair::files::{Inputs, Output};
+//!
+//! # fn main() -> Result<(), midair::Error> {
+//! # let place = tempfile::tempdir().expect("a folder for the example");
+//! # let folder = place.path().join("out");
+//! let mut output = Output::into_folder(&folder, &Inputs::default())?;
+//! output.write("note.txt", |path| midair::files::write_bytes_atomically(path, b"done"))?;
+//! assert!(!folder.join("note.txt").exists());
+//! let files = output.finish()?;
+//! assert_eq!(files, [folder.join("note.txt")]);
+//! # Ok(())
+//! # }
+//! ```
 
 mod inputs;
 mod kept;

@@ -1,4 +1,17 @@
 //! Vectors, frames, rectangles, shapes, meshes and their BVH.
+//!
+//! A shape answers two questions: what does a ray meet first, and where does it cross a known face?
+//!
+//! ```
+//! use midair::geometry::{Convex, Crossing, Ray, Search, Shape, Vec3};
+//!
+//! let ball = Shape::Convex(Convex::Sphere { radius: 25.0 });
+//! let ray = Ray { origin: Vec3::new(0.0, 0.0, 800.0), direction: Vec3::new(0.0, 0.0, -1.0) };
+//! let outside = Search { crossing: Some(Crossing::Enter), after: 0.0, standing_on: None };
+//! let hit = ball.nearest(&ray, outside).expect("the ball is in the way");
+//! let (distance, normal) = ball.cross(&ray, hit.face, hit.crossing);
+//! assert_eq!((distance, normal.z), (775.0, 1.0));
+//! ```
 
 mod convex;
 mod frame;

@@ -1,4 +1,21 @@
 //! G: the inverse of the transport on the display's pixels; its status, colour and file formats.
+//!
+//! ```
+//! use midair::Setup;
+//! use midair::map::{Accuracy, invert};
+//! use midair::transport::Path;
+//!
+//! # fn main() -> Result<(), midair::Error> {
+//! let scene = midair::scene::load("../../scenes/ball.toml".as_ref())?;
+//! let setup = Setup::new(&scene)?.with_resolution([64, 64]);
+//! let (map, _) = invert(&setup, Accuracy::default());
+//! // The pixel right of and below the middle shows this image point, whose light comes from that pixel's centre.
+//! let uv = map.answer(32 * 64 + 32).expect("it is seen");
+//! let st = setup.transport(uv, &mut Path::new()).formed().expect("its path ends on the display");
+//! assert!((st[0] - 32.5 / 64.0).hypot(st[1] - 31.5 / 64.0) < 1e-4);
+//! # Ok(())
+//! # }
+//! ```
 
 mod bleed;
 mod counts;

@@ -1,7 +1,6 @@
 //! How a display's light goes with the direction in which it leaves.
 
 use super::table::{Column, Source, TableError, interpolate};
-use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -50,19 +49,11 @@ const COLOUR: [Column; 4] =
     [ANGLE, Column::amount("red"), Column::amount("green"), Column::amount("blue")];
 
 impl EmissionTable {
-    /// Reads a table from a CSV file.
-    ///
-    /// # Errors
-    /// [`TableError`] where the file cannot be read or a line is wrong.
-    pub fn read(file: &Path) -> Result<Self, TableError> {
-        Self::from_csv(source(file).open()?, file)
-    }
-
     /// Reads a table from CSV text; `file` is named in errors.
     ///
     /// # Errors
     /// [`TableError`] where a line is wrong.
-    pub fn from_csv(csv: impl Read, file: &Path) -> Result<Self, TableError> {
+    pub fn from_csv(csv: &[u8], file: &Path) -> Result<Self, TableError> {
         let source = source(file);
         let (form, rows) = source.rows(csv, &[&GREY, &COLOUR])?;
         let columns = if form == 0 { [1; 3] } else { [1, 2, 3] };

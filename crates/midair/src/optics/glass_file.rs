@@ -40,14 +40,6 @@ impl Table {
 /// Why a glass file cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum GlassFileError {
-    /// The file cannot be read.
-    #[error("glass {}: {source}", file.display())]
-    File {
-        /// Which file.
-        file: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
     /// A line is not what it should be.
     #[error("glass {}, line {line}: {problem}", file.display())]
     Line {
@@ -60,33 +52,21 @@ pub enum GlassFileError {
     },
 }
 
-/// Files of the database have some kilobytes; the longest tables a megabyte.
-const MOST_BYTES: u64 = 1 << 24;
-
 /// The most coefficients of each formula, from number 1; and the least.
 const COEFFICIENTS: [(usize, usize); 9] =
     [(3, 17), (3, 17), (3, 17), (5, 17), (3, 17), (3, 17), (2, 6), (4, 4), (6, 6)];
 
 impl GlassFile {
-    /// Reads a YAML file.
+    /// Reads YAML text in UTF-8; `file` is named in errors.
     ///
     /// # Errors
-    /// [`GlassFileError`] where the file cannot be read or says nothing of an index that could be understood.
-    pub fn read(file: &Path) -> Result<Self, GlassFileError> {
-        use std::io::Read as _;
-        let unreadable = |source| GlassFileError::File { file: file.to_owned(), source };
-        let mut text = String::new();
-        let opened = std::fs::File::open(file).map_err(unreadable)?;
-        opened.take(MOST_BYTES).read_to_string(&mut text).map_err(unreadable)?;
-        Self::from_yaml(&text, file)
-    }
-
-    /// Reads YAML text; `file` is named in errors.
-    ///
-    /// # Errors
-    /// [`GlassFileError::Line`] where a line is wrong.
-    pub fn from_yaml(yaml: &str, file: &Path) -> Result<Self, GlassFileError> {
-        parse(yaml).map_err(|(line, problem)| GlassFileError::Line {
+    /// [`GlassFileError::Line`] where a line is wrong, and where the file says nothing of an index that could be understood.
+    pub fn from_yaml(yaml: &[u8], file: &Path) -> Result<Self, GlassFileError> {
+        let text = std::str::from_utf8(yaml).map_err(|error| {
+            let line = 1 + yaml[..error.valid_up_to()].iter().filter(|&&b| b == b'\n').count();
+            (line, "it is not UTF-8 text; save it as UTF-8".to_owned())
+        });
+        text.and_then(parse).map_err(|(line, problem)| GlassFileError::Line {
             file: file.to_owned(),
             line,
             problem,

@@ -2,7 +2,6 @@
 
 use super::srgb;
 use super::table::{Column, Source, TableError, interpolate};
-use std::io::Read;
 use std::path::Path;
 
 /// How a display turns codes into light. Codes and light are from 0 to 1; light of 1 is the display's white.
@@ -88,19 +87,11 @@ impl Screen {
 }
 
 impl ResponseTable {
-    /// Reads a table from a CSV file.
-    ///
-    /// # Errors
-    /// [`TableError`] where the file cannot be read or a line is wrong.
-    pub fn read(file: &Path) -> Result<Self, TableError> {
-        Self::from_csv(source(file).open()?, file)
-    }
-
     /// Reads a table from CSV text; `file` is named in errors.
     ///
     /// # Errors
     /// [`TableError`] where a line is wrong.
-    pub fn from_csv(csv: impl Read, file: &Path) -> Result<Self, TableError> {
+    pub fn from_csv(csv: &[u8], file: &Path) -> Result<Self, TableError> {
         let source = source(file);
         let (form, rows) = source.rows(csv, &[&GREY, &COLOUR])?;
         let columns: [usize; 3] = if form == 0 { [1; 3] } else { [1, 2, 3] };

@@ -1,21 +1,10 @@
 //! Measured tables: how they are read, and their values between known places.
 
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Why a table of measured values cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum TableError {
-    /// The file cannot be opened.
-    #[error("{what} {}: {source}", file.display())]
-    File {
-        /// What it was to be.
-        what: &'static str,
-        /// Which file.
-        file: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
     /// A line is not what it should be.
     #[error("{what} {}, line {line}: {problem}", file.display())]
     Line {
@@ -74,15 +63,6 @@ pub(super) struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// Opens the file.
-    pub(super) fn open(&self) -> Result<std::fs::File, TableError> {
-        std::fs::File::open(self.file).map_err(|source| TableError::File {
-            what: self.what,
-            file: self.file.to_owned(),
-            source,
-        })
-    }
-
     /// The error of a line.
     pub(super) fn wrong(&self, line: u64, problem: impl Into<String>) -> TableError {
         let (what, file) = (self.what, self.file.to_owned());
@@ -99,24 +79,18 @@ impl Source<'_> {
     /// a line of comment. Returns which form it is, and the lines.
     pub(super) fn rows(
         &self,
-        csv: impl Read,
+        csv: &[u8],
         forms: &[&[Column]],
     ) -> Result<(usize, Vec<Row>), TableError> {
         let malformed = |error: csv::Error| {
             self.wrong(error.position().map_or(1, csv::Position::line), error.to_string())
         };
-        let mut text = Vec::new();
-        let mut csv = csv;
-        csv.read_to_end(&mut text).map_err(|source| {
-            let (what, file) = (self.what, self.file.to_owned());
-            TableError::File { what, file, source }
-        })?;
-        let separator = separator(&text);
+        let separator = separator(csv);
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .comment(Some(b'#'))
             .delimiter(separator)
-            .from_reader(&text[..]);
+            .from_reader(csv);
         let header = reader.headers().map_err(malformed)?.clone();
         let names: Vec<String> =
             header.iter().map(|name| name.trim_start_matches('\u{feff}').to_lowercase()).collect();

@@ -1,4 +1,15 @@
 //! Pictures in linear light, and applying a map to stills and frames.
+//!
+//! ```
+//! use midair::map::Map;
+//! use midair::picture::{Picture, display_image};
+//!
+//! // A red half and a green one, in linear light, through the map of a display that shows the picture as it is.
+//! let mut picture = Picture::filled(2, 1, [1.0, 0.0, 0.0, 1.0]);
+//! picture.pixels[1] = [0.0, 1.0, 0.0, 1.0];
+//! let display = display_image(&picture, &Map::identity(2, 1));
+//! assert_eq!(display.pixels, picture.pixels);
+//! ```
 
 mod brightness;
 pub mod colour;

@@ -1,14 +1,70 @@
 //! Height samples from a picture.
 
+use crate::geometry::HeightField;
 use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, read as exr_file};
 use image::{DynamicImage, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
-use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// More pixels on a side than this are not a height-field that is traced.
 const MOST_SIDE: u32 = 8192;
-/// The longest file: as many pixels of 32-bit floats in four channels.
-const MOST_BYTES: u64 = 16 * MOST_SIDE as u64 * MOST_SIDE as u64;
+
+/// The samples of a height field's picture, with the surface last fitted to them.
+#[derive(Debug)]
+pub struct Heights {
+    rows: Vec<Vec<f64>>,
+    fitted: Mutex<Option<Fitted>>,
+}
+
+/// A surface, and what it was fitted for.
+#[derive(Clone, Debug)]
+struct Fitted {
+    size: [f64; 2],
+    amplitude: f64,
+    depth: Option<f64>,
+    field: Arc<HeightField>,
+}
+
+impl Heights {
+    /// Of rows of one length, the first at the +y edge, before the amplitude.
+    pub fn new(rows: Vec<Vec<f64>>) -> Self {
+        Self { rows, fitted: Mutex::default() }
+    }
+
+    /// The rows, the first at the +y edge, before the amplitude.
+    pub fn rows(&self) -> &[Vec<f64>] {
+        &self.rows
+    }
+
+    /// The surface of this size and amplitude in mm, of a solid that reaches `depth` mm below it. The last one is kept, so that a
+    /// scene in which something is moved need not fit it again.
+    pub fn field(&self, size: [f64; 2], amplitude: f64, depth: Option<f64>) -> Arc<HeightField> {
+        // A panic while it was held has left it as it was.
+        let mut fitted = self.fitted.lock().unwrap_or_else(PoisonError::into_inner);
+        match &*fitted {
+            Some(f) if (f.size, f.amplitude, f.depth) == (size, amplitude, depth) => {
+                Arc::clone(&f.field)
+            }
+            _ => {
+                let field = Arc::new(fit(&self.rows, size, amplitude, depth));
+                *fitted = Some(Fitted { size, amplitude, depth, field: Arc::clone(&field) });
+                field
+            }
+        }
+    }
+}
+
+/// The surface through samples times an amplitude.
+pub(crate) fn fit(
+    rows: &[Vec<f64>],
+    size: [f64; 2],
+    amplitude: f64,
+    depth: Option<f64>,
+) -> HeightField {
+    let heights: Vec<Vec<f64>> =
+        rows.iter().map(|row| row.iter().map(|h| h * amplitude).collect()).collect();
+    HeightField::new(&heights, size, depth)
+}
 
 /// One number for each pixel, the top row first.
 struct Samples {
@@ -19,18 +75,8 @@ struct Samples {
 /// The samples of a grey picture, the top row first: 0 to 1 for 8 and 16 bit, as they are for
 /// EXR. A picture in colour gives its first channel where the three are equal, else an error.
 ///
-/// The error is a message that names the file.
-pub(super) fn read(path: &Path) -> Result<Vec<Vec<f64>>, String> {
-    use std::io::Read as _;
-    let mut bytes = Vec::new();
-    std::fs::File::open(path)
-        .and_then(|file| file.take(MOST_BYTES).read_to_end(&mut bytes))
-        .map_err(|e| format!("{}: cannot be read: {e}", path.display()))?;
-    decode(&bytes, &path.display().to_string())
-}
-
-/// As [`read`], from the bytes of the file called `name`.
-fn decode(bytes: &[u8], name: &str) -> Result<Vec<Vec<f64>>, String> {
+/// The error is a message that names the file, `name`.
+pub(super) fn decode(bytes: &[u8], name: &str) -> Result<Vec<Vec<f64>>, String> {
     let samples = match image::guess_format(bytes) {
         // The reader is known to index out of bounds on some damaged files.
         Ok(ImageFormat::OpenExr) => std::panic::catch_unwind(|| of_exr(bytes))
@@ -166,6 +212,22 @@ mod tests {
         let mut bytes = Cursor::new(Vec::new());
         Image::from_layer(layer).write().to_buffered(&mut bytes).unwrap();
         bytes.into_inner()
+    }
+
+    #[test]
+    fn a_surface_is_fitted_once_while_nothing_of_it_changes() {
+        let heights = Heights::new(vec![vec![0.0, 1.0], vec![0.5, 0.25]]);
+        let first = heights.field([20.0, 10.0], 2.0, Some(5.0));
+        assert!(Arc::ptr_eq(&first, &heights.field([20.0, 10.0], 2.0, Some(5.0))));
+        for (size, amplitude, depth) in [
+            ([20.0, 11.0], 2.0, Some(5.0)),
+            ([20.0, 10.0], 3.0, Some(5.0)),
+            ([20.0, 10.0], 2.0, None),
+        ] {
+            let other = heights.field(size, amplitude, depth);
+            assert!(!Arc::ptr_eq(&first, &other));
+            assert!(!Arc::ptr_eq(&other, &heights.field([20.0, 10.0], 2.0, Some(5.0))));
+        }
     }
 
     #[test]

@@ -1,8 +1,11 @@
 //! Reading a scene file with the files that it names.
 
+use super::assets::{Assets, Folder, Reading};
 use super::error::{SceneError, SceneText};
+use super::heights::{self, Heights};
 use super::model::{HeightSource, Index, Material, Normals, ResponseSource, Scene, Shape};
-use super::{Format, heights, parse_with_places, sense};
+use super::{Format, parse_with_places, sense};
+use crate::geometry::MeshSurface;
 use crate::geometry::mesh::{self, Surface, TriangleMesh};
 use crate::optics::emission::{Emission, EmissionTable};
 use crate::optics::glass::DESIGN_WAVELENGTH;
@@ -14,15 +17,27 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// What an element's file holds.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum Asset {
     /// The element names no file.
     None,
-    /// Its mesh, checked and mended, in its own frame and in mm; with normals at its corners if they are
-    /// not each face's own.
-    Mesh(Arc<TriangleMesh>),
-    /// Its height samples, the first row at the +y edge, before the amplitude.
-    Heights(Vec<Vec<f64>>),
+    /// Its mesh, checked and mended, in its own frame and in mm.
+    Mesh {
+        /// With normals at its corners if they are not each face's own.
+        mesh: Arc<TriangleMesh>,
+        /// The same as rays meet it: its tree of boxes is built once, whatever becomes of the scene.
+        surface: Arc<MeshSurface>,
+    },
+    /// Its height samples.
+    Heights(Arc<Heights>),
+}
+
+impl Asset {
+    /// A mesh in mm.
+    pub fn mesh(mesh: TriangleMesh) -> Self {
+        let surface = Arc::new(MeshSurface::new(&mesh));
+        Self::Mesh { mesh: Arc::new(mesh), surface }
+    }
 }
 
 /// A scene with the files that it names.
@@ -42,8 +57,8 @@ pub struct Loaded {
     pub luminance: Option<LuminanceTable>,
     /// The scene file's text, for messages that show a line of it.
     pub text: SceneText,
-    /// The folder that the scene's files are relative to.
-    pub folder: PathBuf,
+    /// The files that were read besides the scene, where [`Assets::place`] says that they are.
+    pub files: Vec<PathBuf>,
     /// What was mended on meshes, and other things worth saying.
     pub notes: Vec<String>,
 }
@@ -84,23 +99,29 @@ pub fn load(path: &Path) -> Result<Loaded, SceneError> {
     };
     let (scene, text) = parse_with_places(&text, &name, Format::of_name(&name))?;
     let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
-    with_files(scene, text, folder)
+    with_files(scene, text, &Folder(folder))
 }
 
-/// Reads a scene that is text in memory. Files that it names are looked for in the folder in use; `file_name` stands in messages.
+/// Reads a scene that is text in memory, with the files that it names; `file_name` stands in messages.
 ///
 /// # Errors
 /// As [`load`].
-pub fn load_text(text: &str, file_name: &str, format: Format) -> Result<Loaded, SceneError> {
+pub fn load_text(
+    text: &str,
+    file_name: &str,
+    format: Format,
+    files: &dyn Assets,
+) -> Result<Loaded, SceneError> {
     let (scene, text) = parse_with_places(text, file_name, format)?;
-    with_files(scene, text, PathBuf::new())
+    with_files(scene, text, files)
 }
 
-/// Adds the files that a parsed scene names, looked for in `folder`.
+/// Adds the files that a parsed scene names.
 ///
 /// # Errors
 /// As [`load`].
-pub fn with_files(scene: Scene, text: SceneText, folder: PathBuf) -> Result<Loaded, SceneError> {
+pub fn with_files(scene: Scene, text: SceneText, files: &dyn Assets) -> Result<Loaded, SceneError> {
+    let reading = Reading::new(files, &text);
     let mut notes = Vec::new();
     let mut assets = Vec::with_capacity(scene.elements.len());
     for (i, element) in scene.elements.iter().enumerate() {
@@ -111,7 +132,10 @@ pub fn with_files(scene: Scene, text: SceneText, folder: PathBuf) -> Result<Load
                     Material::Refractive { .. } => Surface::Closed,
                     Material::Mirror { .. } => Surface::Open,
                 };
-                let (mesh, mended) = mesh::load(&folder.join(file), surface)
+                let (bytes, place) = reading.file(&key, file)?;
+                let folder = file.parent().unwrap_or(Path::new(""));
+                let beside = |name: &Path| reading.bytes(&folder.join(name));
+                let (mesh, mended) = mesh::load(&bytes, &place, surface, Some(&beside))
                     .map_err(|e| text.error_at(&key, e.to_string(), e.help.clone()))?;
                 notes.extend(
                     mended.notes().iter().map(|note| format!("{}: {note}", file.display())),
@@ -134,7 +158,7 @@ pub fn with_files(scene: Scene, text: SceneText, folder: PathBuf) -> Result<Load
                         file.display()
                     ));
                 }
-                Asset::Mesh(Arc::new(match normals {
+                Asset::mesh(match normals {
                     Normals::Auto { crease_angle } => {
                         let (mesh, shading) = mesh.with_creased_normals(*crease_angle);
                         notes.push(format!("{}: {}", file.display(), shading.note(*crease_angle)));
@@ -142,26 +166,25 @@ pub fn with_files(scene: Scene, text: SceneText, folder: PathBuf) -> Result<Load
                     }
                     Normals::Smooth => mesh.with_smooth_normals(),
                     Normals::Flat => mesh,
-                }))
+                })
             }
             Shape::HeightField { source: HeightSource::File(file), .. } => {
-                Asset::Heights(heights::read(&folder.join(file)).map_err(|message| {
-                    text.error_at(
-                        &key,
-                        message,
-                        "give a grey PNG of 8 or 16 bit or an EXR, of at least 2 x 2 pixels",
-                    )
-                })?)
+                let (bytes, place) = reading.file(&key, file)?;
+                let rows = heights::decode(&bytes, &place.display().to_string());
+                let help = "give a grey PNG of 8 or 16 bit or an EXR, of at least 2 x 2 pixels";
+                let rows = rows.map_err(|message| text.error_at(&key, message, help))?;
+                Asset::Heights(Arc::new(Heights::new(rows)))
             }
             _ => Asset::None,
         });
     }
-    let glasses = glasses(&scene, &text, &folder)?;
-    let screen = screen(&scene, &text, &folder)?;
+    let glasses = glasses(&scene, &text, &reading)?;
+    let screen = screen(&scene, &text, &reading)?;
     let emission = match &scene.display.emission {
         None => Emission::Lambert,
         Some(file) => {
-            let table = EmissionTable::read(&folder.join(file)).map_err(|e| {
+            let (csv, place) = reading.file("display.emission", file)?;
+            let table = EmissionTable::from_csv(&csv, &place).map_err(|e| {
                 let help = "give a CSV file with a header angle,radiance or angle,red,green,blue";
                 text.error_at("display.emission", e.to_string(), help)
             })?;
@@ -170,15 +193,19 @@ pub fn with_files(scene: Scene, text: SceneText, folder: PathBuf) -> Result<Load
     };
     let luminance = match &scene.plate.luminance {
         None => None,
-        Some(file) => Some(LuminanceTable::read(&folder.join(file)).map_err(|e| {
+        Some(file) => {
+            let (csv, place) = reading.file("plate.luminance", file)?;
             let help = "give a CSV file with the columns azimuth, elevation (degrees) and value";
-            text.error_at("plate.luminance", e.to_string(), help)
-        })?),
+            let table = LuminanceTable::from_csv(&csv, &place)
+                .map_err(|e| text.error_at("plate.luminance", e.to_string(), help))?;
+            Some(table)
+        }
     };
+    let files = reading.into_read();
     match SceneError::gathered(sense::faults(&scene, &text, &assets)) {
         Some(error) => Err(error),
         None => {
-            Ok(Loaded { scene, assets, glasses, luminance, screen, emission, text, folder, notes })
+            Ok(Loaded { scene, assets, glasses, luminance, screen, emission, text, files, notes })
         }
     }
 }
@@ -187,7 +214,7 @@ pub fn with_files(scene: Scene, text: SceneText, folder: PathBuf) -> Result<Load
 fn glasses(
     scene: &Scene,
     text: &SceneText,
-    folder: &Path,
+    reading: &Reading<'_>,
 ) -> Result<Vec<Option<Arc<GlassFile>>>, SceneError> {
     let mut glasses = Vec::with_capacity(scene.elements.len());
     for (i, element) in scene.elements.iter().enumerate() {
@@ -196,10 +223,10 @@ fn glasses(
             glasses.push(None);
             continue;
         };
-        let wrong = |message: String, help: &str| {
-            text.error_at(&format!("element[{i}].material.file"), message, help)
-        };
-        let glass = GlassFile::read(&folder.join(file)).map_err(|e| {
+        let key = format!("element[{i}].material.file");
+        let wrong = |message: String, help: &str| text.error_at(&key, message, help);
+        let (yaml, place) = reading.file(&key, file)?;
+        let glass = GlassFile::from_yaml(&yaml, &place).map_err(|e| {
             let help =
                 "give a YAML file of the refractiveindex.info database, or glass = \"N-BK7\"";
             wrong(e.to_string(), help)
@@ -255,14 +282,15 @@ pub(super) fn glass_serves(
 }
 
 /// The display's response, with the file that it may name.
-fn screen(scene: &Scene, text: &SceneText, folder: &Path) -> Result<Screen, SceneError> {
+fn screen(scene: &Scene, text: &SceneText, reading: &Reading<'_>) -> Result<Screen, SceneError> {
     let display = &scene.display;
     let mut measured = [0.0; 3];
     let response = match &display.response {
         ResponseSource::Srgb => Response::Srgb,
         ResponseSource::Gamma(gamma) => Response::Gamma(*gamma),
         ResponseSource::File(file) => {
-            let table = ResponseTable::read(&folder.join(file)).map_err(|e| {
+            let (csv, place) = reading.file("display.response", file)?;
+            let table = ResponseTable::from_csv(&csv, &place).map_err(|e| {
                 let help = "give a CSV file with a header code,light or code,red,green,blue";
                 text.error_at("display.response", e.to_string(), help)
             })?;

@@ -1,16 +1,17 @@
 //! The description of a set-up: model, files, validation.
 //!
 //! A scene file is TOML, or JSON of the same shape. [`load`] reads one with the meshes and
-//! pictures it names, [`parse`] a text alone; both report what is wrong as a [`SceneError`] with
+//! pictures it names, [`load_text`] one in memory with what an [`Assets`] brings, [`parse`] a text alone; both report what is wrong as a [`SceneError`] with
 //! the place in the file and a remedy. [`schema`] describes the format for editors. [`to_toml`]
 //! writes a scene from nothing; [`SceneEdit`] changes values of a file that people have written. A scene that a program has changed passes
 //! [`validate`] before it is used.
 
+mod assets;
 mod conform;
 mod edit;
 mod error;
 mod grammar;
-mod heights;
+pub(crate) mod heights;
 mod load;
 pub mod model;
 mod placement;
@@ -23,8 +24,10 @@ mod tests;
 mod tree;
 mod validate;
 
+pub use assets::{Assets, Folder, InMemory};
 pub use edit::{SceneEdit, Setting};
 pub use error::{SceneError, SceneText};
+pub use heights::Heights;
 pub use load::{Asset, Loaded, load, load_text, with_files};
 pub use save::to_toml;
 pub use schema::schema;

@@ -1,6 +1,6 @@
 //! A set-up as it is described in a scene file: plain data, in millimetres and degrees.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 pub use crate::optics::plate::SlitMirror;
 
@@ -52,30 +52,6 @@ pub struct Tracker {
     pub pose: Pose,
     /// From the point that it tracks to the eye, along the scene's axes, mm.
     pub offset: [f64; 3],
-}
-
-impl Scene {
-    /// The files that it names, relative to the scene file.
-    pub fn files(&self) -> Vec<&Path> {
-        let response = match &self.display.response {
-            ResponseSource::File(file) => Some(file),
-            _ => None,
-        };
-        let own = [self.plate.luminance.as_ref(), self.display.emission.as_ref(), response];
-        let of_elements = self.elements.iter().flat_map(|element| {
-            let shape = match &element.shape {
-                Shape::Mesh { file, .. }
-                | Shape::HeightField { source: HeightSource::File(file), .. } => Some(file),
-                _ => None,
-            };
-            let glass = match &element.material {
-                Material::Refractive { index: Index::File(file), .. } => Some(file),
-                _ => None,
-            };
-            [shape, glass]
-        });
-        own.into_iter().chain(of_elements).flatten().map(PathBuf::as_path).collect()
-    }
 }
 
 /// The micro-mirror array plate.

@@ -211,7 +211,7 @@ fn shape(
 fn heights<'a>(source: &'a HeightSource, asset: Option<&'a Asset>) -> Option<&'a [Vec<f64>]> {
     match (source, asset) {
         (HeightSource::Samples(rows), _) => Some(rows),
-        (HeightSource::File(_), Some(Asset::Heights(rows))) => Some(rows),
+        (HeightSource::File(_), Some(Asset::Heights(heights))) => Some(heights.rows()),
         _ => None,
     }
 }
@@ -242,7 +242,7 @@ fn contains(shape: &Shape, p: Vec3, asset: Option<&Asset>) -> bool {
                 })
         }
         Shape::Mesh { .. } => match asset {
-            Some(Asset::Mesh(mesh)) => mesh.contains(p),
+            Some(Asset::Mesh { mesh, .. }) => mesh.contains(p),
             _ => false,
         },
         Shape::Plane { .. } | Shape::CylinderMirror { .. } | Shape::SphereMirror { .. } => false,

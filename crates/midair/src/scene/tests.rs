@@ -408,7 +408,7 @@ fn a_mesh_comes_with_the_scene_in_millimetres() {
     let spot = std::fs::canonicalize(scenes().join("meshes/spot.obj")).unwrap();
     let path = with_mesh(folder.path(), &spot);
     let loaded = load(&path).unwrap();
-    let Asset::Mesh(mesh) = &loaded.assets[0] else { panic!("no mesh") };
+    let Asset::Mesh { mesh, .. } = &loaded.assets[0] else { panic!("no mesh") };
     let [low, high] = mesh.bounds();
     // The file's own height is 0.953646 + 0.736784.
     assert!((high.y - low.y - 40.0 * 1.69043).abs() < 1e-9);
@@ -472,16 +472,20 @@ fn heights_are_read_from_pictures() {
     let sixteen = ImageBuffer::from_fn(3, 2, |x, y| Luma([(10_000 * y + 1_000 * x) as u16]));
     let float = ImageBuffer::from_fn(3, 2, |x, y| Rgb([y as f32 * 2.0 - x as f32 * 0.25; 3]));
     let expected = |f: &dyn Fn(f64, f64) -> f64| {
-        Asset::Heights(
-            (0..2).map(|y| (0..3).map(|x| f(f64::from(x), f64::from(y))).collect()).collect(),
-        )
+        (0..2)
+            .map(|y| (0..3).map(|x| f(f64::from(x), f64::from(y))).collect::<Vec<f64>>())
+            .collect::<Vec<_>>()
+    };
+    let rows = |loaded: Loaded| match &loaded.assets[0] {
+        Asset::Heights(heights) => heights.rows().to_vec(),
+        other => panic!("{other:?}"),
     };
     let read = with_heights(&DynamicImage::ImageLuma8(eight), "a.png").unwrap();
-    assert_eq!(read.assets[0], expected(&|x, y| (100.0 * y + 50.0 * x) / 255.0));
+    assert_eq!(rows(read), expected(&|x, y| (100.0 * y + 50.0 * x) / 255.0));
     let read = with_heights(&DynamicImage::ImageLuma16(sixteen), "a.png").unwrap();
-    assert_eq!(read.assets[0], expected(&|x, y| (1e4 * y + 1e3 * x) / 65535.0));
+    assert_eq!(rows(read), expected(&|x, y| (1e4 * y + 1e3 * x) / 65535.0));
     let read = with_heights(&DynamicImage::ImageRgb32F(float.clone()), "a.exr").unwrap();
-    assert_eq!(read.assets[0], expected(&|x, y| y * 2.0 - x * 0.25));
+    assert_eq!(rows(read), expected(&|x, y| y * 2.0 - x * 0.25));
 
     let colour = ImageBuffer::from_fn(2, 2, |x, _| Rgb([x as u8, 0, 0]));
     let error = with_heights(&DynamicImage::ImageRgb8(colour), "a.png").unwrap_err();
@@ -766,7 +770,7 @@ pub(super) fn scene_strategy() -> impl Strategy<Value = Scene> {
 /// A scene in memory, with nothing that a file would hold.
 fn loaded(text: &str) -> Loaded {
     let (scene, places) = parse_with_places(text, "test.toml", Format::Toml).unwrap();
-    with_files(scene, places, PathBuf::new()).unwrap()
+    with_files(scene, places, &InMemory::new()).unwrap()
 }
 
 #[test]

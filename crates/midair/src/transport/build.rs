@@ -1,11 +1,12 @@
 //! From a scene's description to a set-up ready for tracing.
 
 use super::setup::{Element, MAX_SOLIDS, Matter, Setup};
-use crate::geometry::{Convex, HeightField, MeshSurface, Shape, Sheet, Vec3};
+use crate::geometry::{Convex, Shape, Sheet, Vec3};
 use crate::optics::Index;
 use crate::optics::glass::{self, DESIGN_WAVELENGTH};
 use crate::optics::glass_file::GlassFile;
 use crate::optics::plate::{Model, Plate, PlateError, SlitMirrorPlate};
+use crate::scene::heights::fit;
 use crate::scene::model::{self, Facing, HeightSource, Material, PlateModel};
 use crate::scene::{Asset, Loaded};
 use std::sync::Arc;
@@ -158,20 +159,18 @@ fn shape(element: &model::Element, asset: &Asset, refractive: bool) -> Result<Sh
             Shape::Sheet(Sheet::Sphere { centre: sign(facing) * radius, rim: 0.5 * diameter })
         }
         model::Shape::HeightField { source, size, amplitude, depth } => {
-            let samples = match (source, asset) {
-                (HeightSource::Samples(samples), _) | (_, Asset::Heights(samples)) => samples,
-                _ => return Err(SetupError::NoAsset(element.name.clone())),
-            };
-            let heights: Vec<Vec<f64>> =
-                samples.iter().map(|row| row.iter().map(|h| h * amplitude).collect()).collect();
             let depth = refractive.then_some(*depth);
-            Shape::HeightField(Arc::new(HeightField::new(&heights, *size, depth)))
+            Shape::HeightField(match (source, asset) {
+                (HeightSource::Samples(rows), _) => Arc::new(fit(rows, *size, *amplitude, depth)),
+                (_, Asset::Heights(heights)) => heights.field(*size, *amplitude, depth),
+                _ => return Err(SetupError::NoAsset(element.name.clone())),
+            })
         }
         model::Shape::Mesh { .. } => {
-            let Asset::Mesh(mesh) = asset else {
+            let Asset::Mesh { surface, .. } = asset else {
                 return Err(SetupError::NoAsset(element.name.clone()));
             };
-            Shape::Mesh(Arc::new(MeshSurface::new(mesh)))
+            Shape::Mesh(Arc::clone(surface))
         }
     })
 }

@@ -124,10 +124,6 @@ fn variable(name: &str) -> Option<u64> {
     Some(value.parse().unwrap_or_else(|_| panic!("{name} is not a number: {value}")))
 }
 
-/// Set-ups that are known to be wrong, which a campaign still judges. 8, an image at a border: eight pixels are called blocked that no image
-/// point asks for, why is not known yet.
-const OPEN: [u64; 1] = [8];
-
 #[test]
 fn no_status_is_wrong_more_than_a_pixel_from_a_border() {
     let campaign = variable("MIDAIR_CAMPAIGN");
@@ -147,7 +143,6 @@ fn no_status_is_wrong_more_than_a_pixel_from_a_border() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         (first..first + count)
             .into_par_iter()
-            .filter(|seed| campaign.is_some() || !OPEN.contains(seed))
             .filter_map(|seed| {
                 let (kind, text) = set_ups::random(seed);
                 let file = folder.path().join(format!("{seed}.toml"));
@@ -155,7 +150,12 @@ fn no_status_is_wrong_more_than_a_pixel_from_a_border() {
                 // An eye inside of a solid, a plate that faces away: what a scene may not be.
                 let loaded = midair::scene::load(&file).ok()?;
                 let setup = Setup::new(&loaded).expect("the scene is sound");
-                let verdict = judged(&format!("{seed} {kind}"), &setup, care);
+                let name = format!("{seed} {kind}");
+                let mut verdict = judged(&name, &setup, care);
+                // A quick look overlooks what is thin: what it calls wrong is looked at again.
+                if verdict.wrong > 0 && campaign.is_none() {
+                    verdict = judged(&name, &setup, Care::THOROUGH);
+                }
                 if verdict.wrong + verdict.beyond > 0 || campaign.is_some() {
                     print!("{}", verdict.text);
                 }

@@ -1,6 +1,6 @@
 use super::*;
 use crate::map::ImagePoint;
-use crate::scene::{Format, Loaded, parse, with_files};
+use crate::scene::{Format, InMemory, Loaded, parse, with_files};
 use crate::scene::{SceneText, load};
 use std::io::Write as _;
 
@@ -95,7 +95,7 @@ fn an_uncompensated_display_is_right_where_nothing_distorts() {
          material = { mirror = true }\n";
     let parsed = parse(scene, "flat.toml", Format::Toml).unwrap();
     let text: SceneText = loaded(800.0, "").text;
-    let loaded = with_files(parsed, text, Default::default()).unwrap();
+    let loaded = with_files(parsed, text, &InMemory::new()).unwrap();
     let setup = Setup::new(&loaded).unwrap();
     let (map, _) = invert(&setup, Accuracy::default());
     let as_is = uncompensated_map(&setup);

@@ -21,14 +21,6 @@ impl MeshError {
         Self { file: file.to_owned(), message: message.into(), help: help.into() }
     }
 
-    pub(super) fn open(file: &str, cause: &std::io::Error) -> Self {
-        Self::new(
-            file,
-            format!("cannot be read: {cause}"),
-            "check the path (relative to the scene file) and the permissions",
-        )
-    }
-
     pub(super) fn format(file: &str) -> Self {
         Self::new(
             file,

@@ -1,6 +1,6 @@
 //! Triangle meshes: reading, checking, mending, and their plain measures.
 //!
-//! [`load`] reads a file and hands back a mesh that is fit to trace, with a report of what was
+//! [`load`] reads a file's bytes and hands back a mesh that is fit to trace, with a report of what was
 //! mended, or an error that names the file, the face and the remedy.
 
 pub(super) mod adjacency;
@@ -26,7 +26,6 @@ pub use normals::Shading;
 pub use read::{Beside, MeshFormat, RawMesh, read};
 
 use super::Vec3;
-use std::io::Read as _;
 use std::path::Path;
 
 /// A triangle mesh; lengths in its own unit.
@@ -45,30 +44,19 @@ pub struct TriangleMesh {
     pub bodies: Option<Vec<u32>>,
 }
 
-/// Meshes are read whole; a larger file is not one that this program can trace in memory.
-const MOST_BYTES: u64 = 1 << 29;
-
-/// Reads, checks and mends a mesh file; the format goes by the extension.
+/// Reads, checks and mends a mesh from the bytes of a file; the format goes by the extension of `name`, which stands in messages.
 ///
 /// The mesh has the normals that its file gives, but none is chosen yet: see [`TriangleMesh::with_creased_normals`].
 ///
 /// # Errors
-/// Files that cannot be read or understood, and surfaces that cannot be traced: see [`mend`].
-pub fn load(path: &Path, surface: Surface) -> Result<(TriangleMesh, Mended), MeshError> {
-    let name = path.display().to_string();
-    let format = MeshFormat::of(path).ok_or_else(|| MeshError::format(&name))?;
-    let bytes = read_file(path).map_err(|cause| MeshError::open(&name, &cause))?;
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let beside = |name: &Path| read_file(&folder.join(name));
-    mend(read(&bytes, format, &name, Some(&beside))?, &name, surface)
-}
-
-/// A file's bytes, up to the limit; devices and pipes without end stop there too.
-fn read_file(path: &Path) -> std::io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    std::fs::File::open(path)?.take(MOST_BYTES + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > MOST_BYTES {
-        return Err(std::io::Error::other("the file is larger than 512 MiB"));
-    }
-    Ok(bytes)
+/// Bytes that cannot be understood, and surfaces that cannot be traced: see [`mend`].
+pub fn load(
+    bytes: &[u8],
+    name: &Path,
+    surface: Surface,
+    beside: Option<&Beside<'_>>,
+) -> Result<(TriangleMesh, Mended), MeshError> {
+    let told = name.display().to_string();
+    let format = MeshFormat::of(name).ok_or_else(|| MeshError::format(&told))?;
+    mend(read(bytes, format, &told, beside)?, &told, surface)
 }

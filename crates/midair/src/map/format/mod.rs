@@ -24,7 +24,7 @@ mod storage;
 pub use error::FileError;
 pub(crate) use error::io_remedy;
 pub use exr_channels::{Channels, MAX_PIXELS, SampleKind, decode_channels, write_channels};
-pub(crate) use exr_channels::{ExrFile, check_size, encode_channels};
+pub(crate) use exr_channels::{ExrFile, encode_channels};
 pub(crate) use exr_layers::{PictureChannels, read_picture};
 pub use kind::{Format, UnknownFormat};
 pub(crate) use png::{CUT, ImageBytes, encode_png};

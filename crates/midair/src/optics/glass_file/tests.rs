@@ -3,7 +3,7 @@ use crate::optics::glass;
 use proptest::prelude::*;
 
 fn parsed(text: &str) -> Result<GlassFile, GlassFileError> {
-    GlassFile::from_yaml(text, Path::new("glass.yml"))
+    GlassFile::from_yaml(text.as_bytes(), Path::new("glass.yml"))
 }
 
 fn by_formula(number: u8, coefficients: &str) -> GlassFile {
@@ -153,8 +153,8 @@ fn errors_name_the_file_the_line_and_the_remedy() {
         assert!(message.contains(part) && message.contains("glass.yml"), "{text:?}: {message}");
         assert!(message.contains(&format!("line {line}:")), "{text:?}: {message}");
     }
-    let missing = GlassFile::read(Path::new("no-such.yml")).unwrap_err().to_string();
-    assert!(missing.contains("no-such.yml"), "{missing}");
+    let latin = GlassFile::from_yaml(b"a: 1\nb: caf\xe9\n", Path::new("glass.yml")).unwrap_err();
+    assert!(latin.to_string().contains("line 2: it is not UTF-8"), "{latin}");
 }
 
 #[test]

@@ -2,7 +2,6 @@
 
 use crate::geometry::Vec3;
 use crate::optics::table::{Column, Source, TableError};
-use std::io::Read;
 use std::path::Path;
 
 /// Azimuth and elevation, in degrees, of a direction in some frame: azimuth about +y from +z
@@ -46,20 +45,11 @@ pub struct LuminanceTable {
 }
 
 impl LuminanceTable {
-    /// Reads a CSV file.
-    ///
-    /// # Errors
-    /// A [`TableError`]: a file that cannot be read, a line that is no number or names an
-    /// impossible angle or a negative luminance, points that fill no grid of at least 2 x 2.
-    pub fn read(file: &Path) -> Result<Self, TableError> {
-        Self::from_csv(source(file).open()?, file)
-    }
-
     /// Reads CSV; `file` is what error messages call it.
     ///
     /// # Errors
-    /// As [`Self::read`].
-    pub fn from_csv(csv: impl Read, file: &Path) -> Result<Self, TableError> {
+    /// [`TableError`] where a line is wrong.
+    pub fn from_csv(csv: &[u8], file: &Path) -> Result<Self, TableError> {
         let source = source(file);
         let (_, rows) = source.rows(csv, &[&COLUMNS])?;
         let points: Vec<[f64; 3]> =
@@ -237,8 +227,6 @@ mod tests {
             let message = parse(&text).unwrap_err().to_string();
             assert!(message.contains(part), "{message:?} lacks {part:?}");
         }
-        let missing = LuminanceTable::read(Path::new("no-such.csv")).unwrap_err().to_string();
-        assert!(missing.contains("no-such.csv"), "{missing}");
     }
 
     #[test]
