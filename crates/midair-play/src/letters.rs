@@ -1,6 +1,6 @@
 //! Text over the show.
 
-use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
+use midair_letters::{Glyph, Size};
 
 /// Text drawn for a picture of a certain size, and drawn again when it or the size changes.
 #[derive(Default)]
@@ -16,7 +16,7 @@ pub(crate) struct Letters {
 /// How large letters are: legible from where the picture as a whole is seen.
 #[derive(Clone, Copy)]
 struct Lettering {
-    raster: RasterHeight,
+    font: Size,
     /// Pixels that stand for one of the letter's.
     scale: usize,
 }
@@ -25,18 +25,20 @@ impl Lettering {
     /// For a picture of so many rows: they hold 30 to 50 lines.
     fn of(rows: usize) -> Self {
         match rows {
-            0..700 => Self { raster: RasterHeight::Size16, scale: 1 },
-            700..1000 => Self { raster: RasterHeight::Size20, scale: 1 },
-            _ => Self { raster: RasterHeight::Size32, scale: rows / 1000 },
+            0..700 => Self { font: Size::Small, scale: 1 },
+            700..1000 => Self { font: Size::Medium, scale: 1 },
+            _ => Self { font: Size::Large, scale: rows / 1000 },
         }
     }
 
-    fn width(self) -> usize {
-        get_raster_width(FontWeight::Regular, self.raster) * self.scale
+    /// Pixels that a text takes in width.
+    fn width(self, text: &str) -> usize {
+        self.font.width(text) * self.scale
     }
 
+    /// Pixels from one line to the next.
     fn height(self) -> usize {
-        self.raster.val() * self.scale
+        self.font.height() * self.scale
     }
 }
 
@@ -50,36 +52,32 @@ impl Letters {
             return;
         }
         let lettering = Lettering::of(picture[1]);
-        let columns = (picture[0] / lettering.width()).max(1);
-        let rows: Vec<String> = lines.iter().flat_map(|line| broken(line, columns)).collect();
-        let longest = rows.iter().map(|row| row.chars().count()).max().unwrap_or(0);
-        self.size = [
-            (longest * lettering.width()).min(picture[0]),
-            (rows.len() * lettering.height()).min(picture[1]),
-        ];
+        let fits = |text: &str| lettering.width(text) <= picture[0];
+        let rows: Vec<String> = lines.iter().flat_map(|line| broken(line, fits)).collect();
+        let longest = rows.iter().map(|row| lettering.width(row)).max().unwrap_or(0);
+        self.size = [longest.min(picture[0]), (rows.len() * lettering.height()).min(picture[1])];
         self.words.clear();
         self.words.resize(self.size[0] * self.size[1], 0);
         for (row, text) in rows.iter().enumerate() {
-            let width = (text.chars().count() * lettering.width()).min(self.size[0]);
+            let width = lettering.width(text).min(self.size[0]);
             let lines = row * lettering.height()..(row + 1) * lettering.height();
             for y in lines.take_while(|&y| y < self.size[1]) {
                 self.words[y * self.size[0]..][..width].fill(GROUND);
             }
-            for (column, character) in text.chars().enumerate() {
-                let place = [column * lettering.width(), row * lettering.height()];
-                self.letter(character, place, lettering);
+            let mut left = 0;
+            for character in text.chars() {
+                let glyph = lettering.font.glyph(character);
+                self.letter(&glyph, [left, row * lettering.height()], lettering.scale);
+                left += glyph.width() * lettering.scale;
             }
         }
         (self.lines, self.picture) = (lines, picture);
     }
 
-    fn letter(&mut self, character: char, [left, top]: [usize; 2], lettering: Lettering) {
-        let drawn = |c| get_raster(c, FontWeight::Regular, lettering.raster);
-        let Some(glyph) = drawn(character).or_else(|| drawn('?')) else { return };
-        let Lettering { scale, .. } = lettering;
+    fn letter(&mut self, glyph: &Glyph, [left, top]: [usize; 2], scale: usize) {
         for y in 0..glyph.height() * scale {
             for x in 0..glyph.width() * scale {
-                let level = u32::from(glyph.pixel(x / scale, y / scale).unwrap_or(0));
+                let level = u32::from(glyph.cover(x / scale, y / scale));
                 if left + x < self.size[0] && top + y < self.size[1] {
                     let word = level << 16 | level << 8 | level;
                     self.words[(top + y) * self.size[0] + left + x] = word.max(GROUND);
@@ -103,20 +101,24 @@ impl Letters {
     }
 }
 
-/// A line in pieces of no more than so many letters, parted at blanks where there are some.
-fn broken(line: &str, columns: usize) -> Vec<String> {
-    let letters: Vec<char> = line.chars().collect();
-    let (mut rest, mut pieces) = (&letters[..], Vec::new());
-    while rest.len() > columns {
-        let blank = rest[..=columns].iter().rposition(|&c| c == ' ').filter(|&at| at > 0);
+/// A line in pieces that fit, of at least one letter each, parted at blanks where there are some.
+fn broken(line: &str, fits: impl Fn(&str) -> bool) -> Vec<String> {
+    let (mut rest, mut pieces) = (line, Vec::new());
+    while !fits(rest) {
+        let ends = rest.char_indices().map(|(at, _)| at).skip(1);
+        let most = ends.clone().take_while(|&at| fits(&rest[..at])).last().or(ends.clone().next());
+        let Some(most) = most else { break };
+        // A blank just behind what fits may go as well.
+        let blank =
+            rest.as_bytes()[..=most].iter().rposition(|&byte| byte == b' ').filter(|&at| at > 0);
         let (piece, after) = match blank {
             Some(at) => (&rest[..at], &rest[at + 1..]),
-            None => rest.split_at(columns),
+            None => rest.split_at(most),
         };
-        pieces.push(piece.iter().collect());
+        pieces.push(piece.to_owned());
         rest = after;
     }
-    pieces.push(rest.iter().collect());
+    pieces.push(rest.to_owned());
     pieces
 }
 
@@ -126,10 +128,26 @@ mod tests {
 
     #[test]
     fn long_lines_are_parted_at_blanks() {
-        assert_eq!(broken("not moved: the eye", 10), ["not moved:", "the eye"]);
-        assert_eq!(broken("abcdefgh", 3), ["abc", "def", "gh"]);
-        assert_eq!(broken("ab cd", 5), ["ab cd"]);
-        assert_eq!(broken("", 5), [""]);
+        let parted = |line, most| broken(line, |text| text.chars().count() <= most);
+        assert_eq!(parted("not moved: the eye", 10), ["not moved:", "the eye"]);
+        assert_eq!(parted("abcdefgh", 3), ["abc", "def", "gh"]);
+        assert_eq!(parted("ab cd", 5), ["ab cd"]);
+        assert_eq!(parted("", 5), [""]);
+        assert_eq!(parted("杯の水 杯", 3), ["杯の水", "杯"]);
+        // A picture narrower than a letter gets a letter a line.
+        assert_eq!(parted("杯水", 0), ["杯", "水"]);
+    }
+
+    #[test]
+    fn names_in_any_script_are_drawn_as_wide_as_they_are() {
+        let mut letters = Letters::default();
+        let mut width_of = |text: &str| {
+            letters.write(vec![text.to_owned()], [640, 480]);
+            letters.size[0]
+        };
+        // GNU Unifont's letters are 16 pixels wide, Latin ones as those of the Latin font.
+        assert_eq!(width_of("杯"), 16);
+        assert_eq!(width_of("杯.toml") - width_of(".toml"), 16);
     }
 
     #[test]

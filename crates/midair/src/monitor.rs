@@ -1,4 +1,4 @@
-//! Who watches long work: how far it is, whether it is to stop, what the user should know.
+//! Who watches long work: how far it is, whether it is to stop.
 
 /// Watches long work. Its methods are called from any thread; each does nothing unless it is told to.
 pub trait Monitor: Sync {
@@ -10,8 +10,6 @@ pub trait Monitor: Sync {
     fn is_cancelled(&self) -> bool {
         false
     }
-    /// Something that the user should know.
-    fn note(&self, _note: &str) {}
 }
 
 /// Nobody.

@@ -175,8 +175,7 @@ mod tests {
         let mut picture = io::Cursor::new(Vec::new());
         let heights = image::GrayImage::from_fn(4, 4, |x, y| image::Luma([(20 * x + 5 * y) as u8]));
         heights.write_to(&mut picture, image::ImageFormat::Png).unwrap();
-        let glass =
-            "DATA:\n  - type: tabulated n\n    data: |\n      0.3 1.5\n      1.0 1.48\n";
+        let glass = "DATA:\n  - type: tabulated n\n    data: |\n      0.3 1.5\n      1.0 1.48\n";
         let files = [
             ("meshes/gem.gltf", gltf.into_bytes()),
             ("meshes/gem.bin", buffer),

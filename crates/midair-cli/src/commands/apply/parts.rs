@@ -1,7 +1,6 @@
 //! The pieces of long work, kept so that it can be gone on with.
 
 use super::Arguments;
-use crate::arguments::GainMode;
 use crate::failure::Failure;
 use crate::output::inputs;
 use midair::files::{Kept, write_bytes_atomically};
