@@ -141,6 +141,21 @@ impl Facts<'_> {
             };
             lines += &format!("  {name:32}{:>12}{:>12}{ssim:>9}{psnr:>12}\n", columns.0, columns.1);
         }
+        for (name, shape) in [
+            ("plain filter", &proof.lattice.compensated),
+            ("shown as it is", &proof.lattice.uncompensated),
+        ] {
+            if let (Ok(measured), Some(there)) = (&shape.measured, &shape.exact_there)
+                && measured.compared() < shape.exact.compared()
+            {
+                lines += &format!(
+                    "{name}: measured on {} of {} formed intersections, which are exactly {:.3} px off\n",
+                    measured.compared(),
+                    shape.exact.compared(),
+                    there.mean
+                );
+            }
+        }
         if let Some(splat) = &proof.splat {
             lines += &format!(
                 "the paper's method at {} samples a pixel: {:.1} s, {} holes in {} reached pixels, {:.3} pixels off (rms)\n",
@@ -163,7 +178,7 @@ impl Facts<'_> {
                 "The plate is ideal: plane symmetry, without blur, loss or stray light."
             }
             PlateModel::SlitMirror(_) => {
-                "The scene's slit-mirror plate is taken as ideal here: plane symmetry, without blur, loss or stray light."
+                "Of the scene's slit-mirror plate the views follow the mean course of the light that forms the image, with a plane of symmetry for each layer, without blur, loss or stray light."
             }
         };
         let n = settings.supersampling;
@@ -180,17 +195,51 @@ impl Facts<'_> {
             "Light that surfaces reflect or absorb on its way (Fresnel, absorption, mirror reflectance) is not taken off, but for the white field under \"Brightness and colour\": views show geometry, not brightness.".to_owned(),
             format!("Refractive indices are those at {:.1} nm, but for the colour fringes.", DESIGN_WAVELENGTH * 1e3),
             format!("A view pixel is the mean of {} rays, each the bilinear interpolation of four display pixels, in linear light.", n * n),
-            format!("The reference is the view without any object, the display where it then belongs, showing the picture at its own resolution.{reference}"),
+            format!("The reference is the view without any object, the display where it then belongs, drawn for the plate alone and showing the picture at its own resolution.{reference}"),
             "Uncompensated, the display shows the picture in the image's true size where it belongs if mirrors are flat and solids absent (the other way round behind an odd number of mirrors), as far as the scene's display reaches there.".to_owned(),
             "Views are compared over the pixels whose whole 11 x 11 window is formed; sRGB-encoded, SSIM after Wang et al. 2004 as the mean over the three channels.".to_owned(),
             format!(
-                "The lattice has {} x {} lines, {} of the image wide. Measured displacement is between intersections detected in the view and in the reference, in linear light; the exact one is the map interpolated at F.",
+                "The lattice has {} x {} lines, {} of the image wide. Measured displacement is between intersections detected in the view and in the reference, in linear light, each named by the transport's prediction to a third of a step; the exact one is the map interpolated at F.",
                 settings.lattice.lines, settings.lattice.lines, settings.lattice.line_width
             ),
             "The best display image is sought, and the scatter made, with the same rays that the views are then rendered with.".to_owned(),
             "Holes are pixels that have an answer (ok or folded) in the exact map and that no sample hit.".to_owned(),
         ]
     }
+}
+
+/// What the reader of a displacement should know: where the view does not tell what the transport does.
+pub fn shape_notes(name: &str, shape: &Shape) -> Vec<String> {
+    let mut notes = Vec::new();
+    match (&shape.measured, &shape.exact_there) {
+        (Err(why), _) => notes.push(format!(
+            "The {name} view could not be measured as a photograph would be: {why}. The exact displacement counts."
+        )),
+        (Ok(measured), Some(there)) => {
+            let (seen, formed) = (measured.compared(), shape.exact.compared());
+            if seen < formed {
+                notes.push(format!(
+                    "In the {name} view {seen} of {formed} formed intersections could be measured: {:.3} px on average, exactly {:.3} px; over all {formed} it is exactly {:.3} px.",
+                    measured.mean, there.mean, shape.exact.mean
+                ));
+            }
+            // What blur by the display's pixels does to a line is a fraction of a pixel.
+            if (measured.mean - there.mean).abs() > 0.5 + 0.01 * there.mean {
+                notes.push(format!(
+                    "The displacement measured on the {name} view is not the exact one of the same intersections, {:.3} px: the exact one counts.",
+                    there.mean
+                ));
+            }
+        }
+        (Ok(_), None) => {}
+    }
+    if shape.left_out > 0 {
+        notes.push(format!(
+            "{} places in the {name} view where lines seem to cross lie next to no expected intersection, as beside an edge that cuts the lattice: they are left out.",
+            shape.left_out
+        ));
+    }
+    notes
 }
 
 fn shape_json(shape: &Shape) -> Value {
@@ -201,6 +250,8 @@ fn shape_json(shape: &Shape) -> Value {
             Err(why) => json!({ "mean": null, "max": null, "compared": 0, "why": why }),
         },
         "exact": told(&shape.exact),
+        "exact_of_measured": shape.exact_there.as_ref().map(told),
+        "left_out": shape.left_out,
     })
 }
 

@@ -1,6 +1,6 @@
 //! What a proof found, as a page.
 
-use crate::facts::{Facts, likeness_text};
+use crate::facts::{Facts, likeness_text, shape_notes};
 use crate::failure::Failure;
 use crate::summary::{counts_line, percent};
 use midair::evaluate::proof::{Likeness, Shape};
@@ -59,17 +59,31 @@ impl Facts<'_> {
             value,
             note,
         };
-        let mean = |shape: &Shape| match &shape.measured {
-            Ok(measured) => format!("{:.3} px", measured.mean),
-            Err(_) => "not measurable".to_owned(),
+        let exact = |shape: &Shape| match shape.exact.mean.is_finite() {
+            true => format!("{:.3} px", shape.exact.mean),
+            false => "not formed".to_owned(),
+        };
+        let measured = |shape: &Shape| match &shape.measured {
+            Ok(measured) => format!(
+                "measured on the view {:.3} px over {} of {}",
+                measured.mean,
+                measured.compared(),
+                shape.exact.compared()
+            ),
+            Err(_) => "not measurable on the view".to_owned(),
         };
         let (ssim, _) = likeness_text(proof.compensated.likeness);
         let (before, _) = likeness_text(proof.uncompensated.likeness);
         let mut rows = vec![
             row(
-                "Lattice displacement, measured on the view",
-                mean(&proof.lattice.compensated),
-                format!("{} without compensation", mean(&proof.lattice.uncompensated)),
+                "Lattice displacement",
+                exact(&proof.lattice.compensated),
+                format!(
+                    "{}; {} without compensation ({})",
+                    measured(&proof.lattice.compensated),
+                    exact(&proof.lattice.uncompensated),
+                    measured(&proof.lattice.uncompensated)
+                ),
             ),
             row("Likeness to the reference (SSIM)", ssim, format!("{before} without compensation")),
             row(
@@ -178,18 +192,13 @@ impl Facts<'_> {
             ]),
             Block::Table(table),
         ];
-        let failed: Vec<String> =
+        let notes: Vec<String> =
             [("compensated", &lattice.compensated), ("uncompensated", &lattice.uncompensated)]
                 .into_iter()
-                .filter_map(|(name, shape)| {
-                    let why = shape.measured.as_ref().err()?;
-                    Some(format!(
-                        "The {name} view could not be measured as a photograph would be: {why}."
-                    ))
-                })
+                .flat_map(|(name, shape)| shape_notes(name, shape))
                 .collect();
-        if !failed.is_empty() {
-            blocks.push(Block::Notes(failed));
+        if !notes.is_empty() {
+            blocks.push(Block::Notes(notes));
         }
         blocks.push(Block::Figures(vec![
             self.arrows(

@@ -5,8 +5,8 @@ use crate::page::{
     Block, Cell, Figure, Image, LineChart, Page, Section, Series, SummaryRow, Table,
 };
 use midair::evaluate::paper::{
-    Evaluation, MEASURES, PUBLISHED_DISPLACEMENT, PUBLISHED_QUALITY, Quality, Shape, ShapeView,
-    Winner, mean, published, surfaces, winner,
+    Displacements, Evaluation, MEASURES, PUBLISHED_DISPLACEMENT, PUBLISHED_QUALITY, Quality, Shape,
+    ShapeView, Winner, mean, published, surfaces, winner,
 };
 use midair::picture::Picture;
 
@@ -33,7 +33,10 @@ pub fn quality_table(surface: &str, rows: &[Quality]) -> Table {
     let measured = |row: &Quality| {
         MEASURES
             .iter()
-            .flat_map(|(_, of, more)| pair(of(&row.with), of(&row.without), *more, 3))
+            .flat_map(|(_, of, more)| {
+                let floor = Cell::number(of(&row.floor), 3);
+                pair(of(&row.with), of(&row.without), *more, 3).into_iter().chain([floor])
+            })
             .collect::<Vec<_>>()
     };
     let line = |name: String, cells: Vec<Cell>| -> Vec<Cell> {
@@ -43,32 +46,35 @@ pub fn quality_table(surface: &str, rows: &[Quality]) -> Table {
     let means = MEASURES.iter().flat_map(|(_, of, more)| {
         let with = mean(rows.iter().map(|row| of(&row.with)));
         let without = mean(rows.iter().map(|row| of(&row.without)));
-        pair(with, without, *more, 3)
+        let floor = Cell::number(mean(rows.iter().map(|row| of(&row.floor))), 3);
+        pair(with, without, *more, 3).into_iter().chain([floor])
     });
     foot.push(line("Mean".to_owned(), means.collect()));
     let wins = MEASURES.iter().flat_map(|(_, of, more)| {
         let wins = |who: Winner| {
             rows.iter().filter(|row| winner(of(&row.with), of(&row.without), *more) == who).count()
         };
-        [Winner::With, Winner::Without]
-            .map(|who| Cell::text(format!("{} of {}", wins(who), rows.len())))
+        let counts = [Winner::With, Winner::Without]
+            .map(|who| Cell::text(format!("{} of {}", wins(who), rows.len())));
+        counts.into_iter().chain([Cell::text("")])
     });
     foot.push(line("Better on".to_owned(), wins.collect()));
     if let Some(paper) = published(&PUBLISHED_QUALITY, surface) {
-        let cells = MEASURES
-            .iter()
-            .flat_map(|(_, of, more)| pair(of(&paper.with), of(&paper.without), *more, 3));
+        let cells = MEASURES.iter().flat_map(|(_, of, more)| {
+            let cells = pair(of(&paper.with), of(&paper.without), *more, 3);
+            cells.into_iter().chain([Cell::number(None, 3)])
+        });
         foot.push(line("The paper, simulated mean".to_owned(), cells.collect()));
     }
     let mut top = vec![("Image".to_owned(), 1)];
     let mut below = vec![(String::new(), 1)];
     for name in HEADINGS {
-        top.push((name.to_owned(), 2));
-        below.extend(["with", "without"].map(|name| (name.to_owned(), 1)));
+        top.push((name.to_owned(), 3));
+        below.extend(["with", "without", "noise alone"].map(|name| (name.to_owned(), 1)));
     }
     Table {
         caption: format!(
-            "{surface}: likeness to the view without object, with and without compensation"
+            "{surface}: likeness to the view without object, with and without compensation; noise alone: that view against itself, rendered with other random numbers"
         ),
         head: vec![top, below],
         rows: rows.iter().map(|row| line(row.image.clone(), measured(row))).collect(),
@@ -90,47 +96,62 @@ pub fn shape_chart(shape: &Shape) -> LineChart {
         x_label: "camera azimuth, degrees".to_owned(),
         y_label: "mean displacement, pixels".to_owned(),
         series: vec![
-            series("compensated", |view| view.with),
-            series("for 0° only", |view| view.kept),
-            series("without", |view| view.without),
+            series("compensated", |view| view.exact.with),
+            series("for 0° only", |view| view.exact.kept),
+            series("without", |view| view.exact.without),
         ],
     }
 }
 
-/// Figure 7's numbers: a row for each azimuth, then means and the paper's.
+/// Figure 7's numbers: a row for each azimuth, calculated and measured, then means and the paper's.
 pub fn shape_table(shape: &Shape) -> Table {
-    let heading = |name: &str| (name.to_owned(), 1);
-    let row = |name: String, values: [Option<f64>; 3]| -> Vec<Cell> {
+    let cells = |values: Displacements| {
+        let values = values.all();
         let least = values.iter().flatten().copied().fold(f64::INFINITY, f64::min);
-        let cell = |value: Option<f64>| {
+        values.map(|value| {
             let cell = Cell::number(value, 2);
             if value == Some(least) { cell.best() } else { cell }
-        };
-        std::iter::once(Cell::text(name)).chain(values.map(cell)).collect()
+        })
     };
-    let all = |view: &ShapeView| [view.with, view.kept, view.without];
-    let views = &shape.views;
-    let mut foot = vec![row(format!("Mean over {}", shape.extent()), shape.means().0)];
+    let row =
+        |name: String, exact: Displacements, measured: Displacements, there: Displacements| {
+            let plain = there.all().map(|value| Cell::number(value, 2));
+            [vec![Cell::text(name)], cells(exact).into(), cells(measured).into(), plain.into()]
+                .concat()
+        };
+    let (measured, _, there) = shape.measured_mean();
+    let mut foot = vec![row("Mean".to_owned(), shape.mean(), measured, there)];
     if let Some(paper) = published(&PUBLISHED_DISPLACEMENT, &shape.surface) {
-        let values = [Some(paper.with), None, Some(paper.without)];
-        foot.push(row("The paper, photographed".to_owned(), values));
+        let values =
+            Displacements { with: Some(paper.with), kept: None, without: Some(paper.without) };
+        let none = Displacements::default();
+        foot.push(row("The paper, photographed".to_owned(), none, values, none));
     }
+    let conditions = ["compensated", "for 0° only", "without"].map(|name| (name.to_owned(), 1));
     Table {
         caption: format!(
-            "{}: mean displacement of the lattice's intersections, pixels of the camera",
-            shape.surface
+            "{}: mean displacement of the lattice's intersections, pixels of the camera. Calculated: {}. Measured on views: mean over {}; beside it what the calculation gives for those.",
+            shape.surface,
+            shape.extent(),
+            shape.measured_extent()
         ),
-        head: vec![vec![
-            heading("Azimuth"),
-            heading("compensated"),
-            heading("for 0° only"),
-            heading("without"),
-        ]],
-        rows: views
+        head: vec![
+            vec![
+                (String::new(), 1),
+                ("calculated".to_owned(), 3),
+                ("measured".to_owned(), 3),
+                ("calculated for the measured ones".to_owned(), 3),
+            ],
+            std::iter::once(("Azimuth".to_owned(), 1))
+                .chain(std::iter::repeat_n(conditions, 3).flatten())
+                .collect(),
+        ],
+        rows: shape
+            .views
             .iter()
             .map(|view| {
                 let name = Cell::number(Some(view.azimuth), 0).text;
-                row(format!("{name}° ({} intersections)", view.intersections), all(view))
+                row(format!("{name}°"), view.exact, view.measured, view.exact_there)
             })
             .collect(),
         foot,
@@ -177,12 +198,16 @@ pub fn paper_page(evaluation: &Evaluation, strips: &[Figure], colophon: &str) ->
     let mut sections = Vec::new();
     let mut summary = Vec::new();
     for shape in &evaluation.shapes {
-        let ([with, _, without], ..) = shape.means();
+        let Displacements { with, without, .. } = shape.mean();
         let text = |value| Cell::number(value, 2).text;
         summary.push(SummaryRow {
             label: format!("{}: displacement", shape.surface),
             value: format!("{} px", text(with)),
-            note: format!("{} px without compensation; {}", text(without), shape.extent()),
+            note: format!(
+                "{} px without compensation; calculated over {}",
+                text(without),
+                shape.extent()
+            ),
         });
     }
     for surface in surfaces(&evaluation.quality) {
@@ -194,7 +219,11 @@ pub fn paper_page(evaluation: &Evaluation, strips: &[Figure], colophon: &str) ->
         summary.push(SummaryRow {
             label: format!("{surface}: SSIM"),
             value: of(|row| row.with.ssim),
-            note: format!("{} without compensation", of(|row| row.without.ssim)),
+            note: format!(
+                "{} without compensation; noise alone leaves {}",
+                of(|row| row.without.ssim),
+                of(|row| row.floor.ssim)
+            ),
         });
     }
     let mut section = |heading: &str, blocks: Vec<Block>| {
@@ -250,6 +279,7 @@ mod tests {
             image: image.to_owned(),
             with,
             without,
+            floor: Scores { ssim: 0.9, lpips: None, blurred_ssim: 0.95 },
         };
         vec![
             row("cylinder", "bikes", scores(0.2, Some(0.5), 0.7), scores(0.1, Some(0.4), 0.6)),
@@ -272,50 +302,69 @@ mod tests {
         assert_eq!(table.head[1].len(), width);
         assert_eq!(
             texts(&table.rows[0]),
-            ["bikes", "*0.200", "0.100", "0.500", "*0.400", "*0.700", "0.600"]
+            [
+                "bikes", "*0.200", "0.100", "0.900", "0.500", "*0.400", "–", "*0.700", "0.600",
+                "0.950"
+            ]
         );
         // By hand: (0.2 + 0.4) / 2, (0.1 + 0.2) / 2, (0.5 + 0.3) / 2, (0.4 + 0.6) / 2, ...
         assert_eq!(
             texts(&table.foot[0]),
-            ["Mean", "*0.300", "0.150", "*0.400", "0.500", "0.600", "*0.700"]
+            [
+                "Mean", "*0.300", "0.150", "0.900", "*0.400", "0.500", "–", "0.600", "*0.700",
+                "0.950"
+            ]
         );
-        let wins = ["Better on", "2 of 2", "0 of 2", "1 of 2", "1 of 2", "1 of 2", "1 of 2"];
+        let wins =
+            ["Better on", "2 of 2", "0 of 2", "", "1 of 2", "1 of 2", "", "1 of 2", "1 of 2", ""];
         assert_eq!(texts(&table.foot[1]), wins);
-        assert_eq!(texts(&table.foot[2])[1..4], ["*0.156", "0.126", "*0.550"]);
+        assert_eq!(texts(&table.foot[2])[1..5], ["*0.156", "0.126", "–", "*0.550"]);
         let mirror = quality_table("bent mirror", &rows());
-        assert_eq!(texts(&mirror.rows[0])[3..], ["–", "–", "0.900", "0.900"]);
+        assert_eq!(texts(&mirror.rows[0])[4..], ["–", "–", "–", "0.900", "0.900", "0.950"]);
     }
 
     #[test]
     fn figure_seven_keeps_gaps_and_names_the_paper() {
+        let all = |with, kept, without| Displacements {
+            with: Some(with),
+            kept: Some(kept),
+            without: Some(without),
+        };
         let shape = Shape {
             surface: "Bent-mirror".to_owned(),
             views: vec![
                 ShapeView {
                     azimuth: -5.0,
-                    with: Some(1.0),
-                    kept: Some(2.0),
-                    without: Some(3.0),
-                    intersections: 40,
+                    exact: all(1.0, 2.0, 3.0),
+                    measured: all(1.5, 2.5, 3.5),
+                    exact_there: all(1.25, 2.25, 3.25),
                 },
                 ShapeView {
                     azimuth: 0.0,
-                    with: None,
-                    kept: None,
-                    without: Some(5.0),
-                    intersections: 9,
+                    exact: all(3.0, 4.0, 5.0),
+                    measured: Displacements { with: Some(7.0), ..Displacements::default() },
+                    exact_there: Displacements::default(),
                 },
             ],
+            intersections: 40,
+            measured_intersections: 30,
+            lattice: 49,
         };
         let chart = shape_chart(&shape);
-        assert!(chart.series[0].points[1][1].is_nan() && chart.series[2].points[1] == [0.0, 5.0]);
+        assert_eq!(chart.series[0].points[1], [0.0, 3.0]);
         let table = shape_table(&shape);
-        assert_eq!(texts(&table.rows[0]), ["−5° (40 intersections)", "*1.00", "2.00", "3.00"]);
+        assert!(table.caption.contains("2 azimuths, the same 40 of 49 intersections"));
+        assert!(table.caption.contains("1 of 2 azimuths, the same 30 intersections"));
+        assert_eq!(
+            texts(&table.rows[0]),
+            ["−5°", "*1.00", "2.00", "3.00", "*1.50", "2.50", "3.50", "1.25", "2.25", "3.25"]
+        );
+        // No azimuth drops out of the calculated mean; one that was measured under one condition only is none that was measured.
         assert_eq!(
             texts(&table.foot[0]),
-            ["Mean over 1 of 2 azimuths, 40 intersections", "*1.00", "2.00", "3.00"]
+            ["Mean", "*2.00", "3.00", "4.00", "*1.50", "2.50", "3.50", "1.25", "2.25", "3.25"]
         );
-        assert_eq!(texts(&table.foot[1]), ["The paper, photographed", "*30.53", "–", "138.68"]);
+        assert_eq!(texts(&table.foot[1])[4..7], ["*30.53", "–", "138.68"]);
     }
 
     #[test]
@@ -334,7 +383,11 @@ mod tests {
     fn the_page_shows_every_surface() {
         let evaluation = Evaluation {
             quality: rows(),
-            shapes: vec![Shape { surface: "cube".to_owned(), views: vec![ShapeView::default()] }],
+            shapes: vec![Shape {
+                surface: "cube".to_owned(),
+                views: vec![ShapeView::default()],
+                ..Shape::default()
+            }],
             assumptions: vec!["camera at 3.3 m".to_owned()],
             ..Evaluation::default()
         };

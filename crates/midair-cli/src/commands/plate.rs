@@ -128,7 +128,7 @@ impl Character {
         }
         let model = SlitMirrorPlate::new(parameters)
             .map_err(|error| Failure::new(error.to_string(), format!("give {}", error.allowed)))?;
-        let mut setup = Setup::new(loaded)?.unobstructed().with_plate(model.clone().into());
+        let mut setup = Setup::new(loaded)?.with_plate(model.clone().into()).unobstructed();
         if let Some(table) = &loaded.luminance {
             setup.plate = setup.plate.with_luminance(table.clone(), &setup.image.frame);
         }

@@ -49,9 +49,39 @@ fn displacement_is_told_and_a_moved_camera_taken_off() {
     // 6 and 8 make 10; whole pixels, so that both are measured alike.
     assert!((told["against"]["mean"].as_f64().unwrap() - 10.0).abs() < 1e-3, "{told}");
     assert!((told["intersections"][3]["displacement"].as_f64().unwrap() - 10.0).abs() < 1e-3);
-    for align in ["shift", "similarity"] {
+    for align in ["shift", "similarity", "perspective"] {
         let told = bench.json(&[&against[..], &["--align", align]].concat());
         assert!(told["against"]["max"].as_f64().unwrap() < 1e-3, "{align}: {told}");
+    }
+}
+
+/// Lines that differ in number each way, lengths in mm, and a part of a lattice.
+#[test]
+fn lattices_of_other_counts_are_told_in_millimetres_and_in_part() {
+    let bench = Bench::new();
+    lattice(&bench, "a.png", [0, 0], false);
+    lattice(&bench, "b.png", [3, 4], false);
+    // The lattice's spacing is 14 % of 400 pixels: of 2.8 mm, 20 pixels to the mm.
+    let told =
+        bench.json(&["measure", "lattice", "b.png", "--against", "a.png", "--spacing", "2.8"]);
+    assert!((told["pixels_per_mm"].as_f64().unwrap() - 20.0).abs() < 0.01, "{told}");
+    assert!((told["against"]["mean_mm"].as_f64().unwrap() - 0.25).abs() < 1e-3, "{told}");
+    // Seven lines across and five of seven down: columns 0 to 4 with some ground beside them.
+    let whole = midair::picture::read_still(&bench.path("a.png")).unwrap().picture;
+    let width = 20 + 32 + 4 * 56 + 26;
+    let rows = whole.pixels.chunks(480).flat_map(|row| row[..width].to_vec());
+    let part = Picture { width, height: 480, pixels: rows.collect() };
+    write_still(&bench.path("part.png"), &part, Depth::Eight).unwrap();
+    let told = bench.json(&["measure", "lattice", "part.png", "--lines", "5x7"]);
+    assert_eq!((&told["found"], &told["lines"]), (&35.into(), &serde_json::json!([5, 7])));
+    assert_eq!(told["intersections"][5]["row"], 1);
+    let said = bench.refuse(&["measure", "lattice", "part.png"]);
+    assert!(said.contains("5 x 7") && said.contains("--part"), "{said}");
+    let told = bench.json(&["measure", "lattice", "part.png", "--part"]);
+    assert_eq!((&told["found"], &told["lines"]), (&35.into(), &serde_json::json!([5, 7])));
+    for wrong in ["1", "9x", "x", "7x41", "seven"] {
+        let said = bench.refuse(&["measure", "lattice", "part.png", "--lines", wrong]);
+        assert!(said.contains("9x6"), "{said}");
     }
 }
 

@@ -12,7 +12,7 @@ const BELONGS: [f32; 3] = [0.0, 0.5, 1.0];
 pub fn draw(photo: &Picture, lattice: &Lattice, belongs: Option<&[Option<[f64; 2]>]>) -> Picture {
     let mut drawn = photo.clone();
     let points = lattice.points();
-    let spacing = spacing(&points, lattice.lines);
+    let spacing = lattice.spacing().unwrap_or(20.0);
     let radius = (0.16 * spacing).clamp(3.0, 60.0);
     // A hair line in a small photograph, still seen in one of 6000 pixels that is looked at as a whole.
     let pen = (0.1 * radius).max(0.6);
@@ -32,24 +32,6 @@ pub fn draw(photo: &Picture, lattice: &Lattice, belongs: Option<&[Option<[f64; 2
         }
     }
     drawn
-}
-
-/// The median distance between neighbours in a row or a column, pixels.
-fn spacing(points: &[Option<[f64; 2]>], lines: usize) -> f64 {
-    let across =
-        |at: usize, step: usize| Some(length((*points.get(at)?)?, (*points.get(at + step)?)?));
-    let mut steps: Vec<f64> = (0..points.len())
-        .flat_map(|at| {
-            let right = if at % lines + 1 < lines { across(at, 1) } else { None };
-            [right, across(at, lines)]
-        })
-        .flatten()
-        .collect();
-    if steps.is_empty() {
-        return 20.0;
-    }
-    let middle = steps.len() / 2;
-    *steps.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Colours what is within `reach` of a figure in a box, its edge smooth over a pixel.
@@ -101,7 +83,7 @@ mod tests {
         let photo = Picture::filled(60, 60, [0.0, 0.0, 0.0, 1.0]);
         let intersections =
             vec![Ok([20.0, 20.0]), Ok([45.0, 20.0]), Err(Missing::NotSeen), Ok([59.5, 45.0])];
-        let lattice = Lattice { lines: 2, intersections, line_width: 2.0 };
+        let lattice = Lattice { count: 2.into(), intersections, line_width: 2.0, left_out: 0 };
         let belongs = [Some([20.0, 30.0]), None, Some([3.0, 3.0]), None];
         let drawn = draw(&photo, &lattice, Some(&belongs));
         let at = |x: usize, y: usize| drawn.pixels[y * 60 + x];
@@ -111,7 +93,8 @@ mod tests {
         // On the way to where the first belongs, beyond its ring; nothing for the missing one.
         assert!(at(20, 27)[2] > 0.5);
         assert_eq!(at(3, 3), [0.0, 0.0, 0.0, 1.0]);
-        assert!((spacing(&lattice.points(), 2) - 25.0).abs() < 5.0);
+        // Neighbours are 25 to the right, and 29 down: the larger of two.
+        assert!((lattice.spacing().unwrap() - 25.0).abs() < 5.0);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use super::proof::displacement::interpolated;
 use crate::geometry::Vec3;
 use crate::map::{Accuracy, Map, invert};
 use crate::measure::Plane;
-use crate::measure::lattice::{Displacement, LatticeStyle, detect, displacement, draw_lattice};
+use crate::measure::lattice::{Displacement, LatticeStyle, detect_at, displacement, draw_lattice};
 use crate::monitor::Monitor;
 use crate::picture::optimal::{ViewSamples, view_through};
 use crate::picture::{Picture, display_image};
@@ -132,9 +132,14 @@ fn measure(
     let nothing = Displacement { mean: f64::NAN, max: f64::NAN, points: vec![None; uv.len()] };
     let exact = displacement(&seen, &belongs).unwrap_or(nothing);
     let measured = if lattice {
-        detect(&Plane::luminance(&view), style.lines).map_err(|error| error.to_string()).and_then(
-            |found| displacement(&found.points(), &belongs).map_err(|error| error.to_string()),
-        )
+        let [width, height] = camera.size.map(|side| side as f64);
+        let in_view = |[x, y]: &[f64; 2]| (0.0..=width).contains(x) && (0.0..=height).contains(y);
+        let expected: Vec<_> = seen.iter().map(|place| place.filter(in_view)).collect();
+        detect_at(&Plane::luminance(&view), style.lines, &expected)
+            .map_err(|error| error.to_string())
+            .and_then(|found| {
+                displacement(&found.points(), &belongs).map_err(|error| error.to_string())
+            })
     } else {
         Err("the view shows another picture".to_owned())
     };

@@ -23,6 +23,7 @@ pub mod glass_file;
 mod index;
 pub mod interface;
 pub mod plate;
+pub mod polarisation;
 pub mod screen;
 pub mod srgb;
 mod table;

@@ -243,7 +243,8 @@ static PLATE: Block = block(
             Kind::Number(-36_000.0, 36_000.0),
             Some("degrees"),
             Need::Number(45.0),
-            "slit-mirror: direction of the first layer's mirrors, from local +x.",
+            "slit-mirror: direction of the mirrors of the layer on the viewer's side, from local +x; 45 and -45 are the two orders of \
+             the layers.",
         ),
         optional(
             "reflectance",
@@ -364,6 +365,14 @@ static DISPLAY: Block = block(
             Need::Optional,
             "Its radiance by angle from its normal as measured: a CSV file (angle,radiance or angle,red,green,blue), relative to the \
              scene file; left out: alike in all directions (Lambert).",
+        ),
+        optional(
+            "polarisation",
+            Kind::Number(-36_000.0, 36_000.0),
+            Some("degrees"),
+            Need::Optional,
+            "Its light is linearly polarised (a liquid crystal display's is): the direction of the electric field, from local +x; \
+             left out: unpolarised.",
         ),
         optional(
             "black",

@@ -88,6 +88,8 @@ pub struct Display {
     pub wavelengths: [f64; 3],
     /// A CSV file of measured radiance over angles, relative to the scene file; `None`: alike in all directions.
     pub emission: Option<PathBuf>,
+    /// Direction of its light's electric field from its local +x, degrees; `None`: unpolarised.
+    pub polarisation: Option<f64>,
     /// How its codes become light.
     pub response: ResponseSource,
     /// Light that it emits where it is to be dark, by R, G, B, as a share of its white; `None`: as its response was measured, else 0.

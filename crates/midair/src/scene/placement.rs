@@ -1,8 +1,8 @@
 //! Where things stand: poses as frames, and the display's place when the file leaves it out.
 
-use super::model::{Material, Pose, Rectangle, Scene};
+use super::model::{Material, PlateModel, Pose, Rectangle, Scene};
 use crate::geometry::{self, Frame, Vec3};
-use crate::optics::plate::{display_place, virtual_image};
+use crate::optics::plate::{LayerPlanes, display_place, virtual_image};
 
 impl Pose {
     /// The pose as a frame in the world.
@@ -27,7 +27,12 @@ impl Scene {
             return geometry::Rectangle { frame: pose.frame(), size };
         }
         let plate = self.plate.rectangle.pose.frame();
-        display_place(self.image.pose.frame(), &self.mirrors(), &plate, self.eye(), size)
+        let layers = match &self.plate.model {
+            PlateModel::Ideal => None,
+            PlateModel::SlitMirror(plate) => Some(LayerPlanes::new(plate)),
+        };
+        let (image, mirrors) = (self.image.pose.frame(), self.mirrors());
+        display_place(image, &mirrors, &plate, layers.as_ref(), self.eye(), size)
     }
 
     /// What the plate would have to form if the mirrors were flat.

@@ -232,6 +232,7 @@ fn display(scene: &Fields<'_>) -> Option<Display> {
         wavelengths: fields.numbers("wavelengths")?,
         response,
         emission: fields.text("emission").map(PathBuf::from),
+        polarisation: fields.number("polarisation"),
         black: fields.colour("black"),
         bits: fields.integer("bits").and_then(|bits| bits.try_into().ok()),
     })

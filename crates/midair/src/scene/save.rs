@@ -59,6 +59,9 @@ fn write_scene(out: &mut String, scene: &Scene) -> std::fmt::Result {
     if let Some(file) = &scene.display.emission {
         writeln!(out, "emission = {}", text(&file.to_string_lossy()))?;
     }
+    if let Some(polarisation) = scene.display.polarisation {
+        writeln!(out, "polarisation = {polarisation:?}")?;
+    }
     if let Some(black) = scene.display.black {
         writeln!(out, "black = {black:?}")?;
     }

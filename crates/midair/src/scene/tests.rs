@@ -60,6 +60,7 @@ fn a_scene_reads_as_it_is_written() {
             wavelengths: [611.0, 549.0, 465.0],
             response: ResponseSource::Srgb,
             emission: None,
+            polarisation: None,
             black: None,
             bits: None,
         },
@@ -742,7 +743,18 @@ pub(super) fn scene_strategy() -> impl Strategy<Value = Scene> {
     )
         .prop_map(|((w, h), pose, size, (wavelengths, response, black, bits))| {
             let emission = bits.map(|_| "angles.csv".into());
-            Display { resolution: [w, h], pose, size, wavelengths, response, emission, black, bits }
+            let polarisation = bits.map(|bits| f64::from(bits) * 7.5 - 60.0);
+            Display {
+                resolution: [w, h],
+                pose,
+                size,
+                wavelengths,
+                response,
+                emission,
+                polarisation,
+                black,
+                bits,
+            }
         });
     (
         (any::<String>(), 1..=10_000usize, any::<bool>(), numbers::<3>(-1e6..1e6)),

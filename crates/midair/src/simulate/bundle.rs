@@ -7,7 +7,7 @@
 //! first one that light meets. What leaves the course (an inner reflection, another face) is left to [`Stage::follow`]; what
 //! stays on it comes out to the last bit as that would have it.
 
-use super::light::{Chance, Stage};
+use super::light::{Arrival, Chance, Stage};
 use super::sequence::Points;
 use crate::geometry::{Convex, Crossing, Frame, Ray, Search, Shape, Vec3};
 use crate::optics::emission::Emission;
@@ -102,11 +102,11 @@ impl Bundle {
 }
 
 impl<'a> Straight<'a> {
-    /// What bundles can be followed through; `None` where only path by path will do: a display that does not emit alike in all directions, elements that are not
+    /// What bundles can be followed through; `None` where only path by path will do: a display that does not emit alike in all directions or is polarised, elements that are not
     /// one convex solid which stands, like the pupil (an eye and its radius, mm), wholly before the plate.
     pub(super) fn of(stage: &Stage<'a>, eye: Vec3, pupil: f64) -> Option<Self> {
         let setup = stage.setup;
-        if setup.emission != Emission::Lambert {
+        if setup.emission != Emission::Lambert || setup.polarisation.is_some() {
             return None;
         }
         let plate = match setup.plate.model() {
@@ -362,12 +362,7 @@ impl<'a> Straight<'a> {
     /// What a path brings, after [`Self::follow`]: as [`Stage::follow`] has it, which takes over where the path left
     /// the course.
     #[inline]
-    pub(super) fn outcome(
-        &self,
-        bundle: &Bundle,
-        stage: &Stage,
-        i: usize,
-    ) -> Option<(Class, [f64; 3])> {
+    pub(super) fn outcome(&self, bundle: &Bundle, stage: &Stage, i: usize) -> Option<Arrival> {
         if !bundle.kept[i] {
             let (ray, chance) = bundle.first(i);
             return stage.follow(ray, chance);
@@ -387,9 +382,7 @@ impl<'a> Straight<'a> {
             class = Class::of(mirrors);
             attenuate(&mut light, plate.weight(mirrors, bundle.faces[i], bundle.cos_t[i]));
         }
-        let [r, g, b, _] = stage.display.emitted([bundle.st[0][i], bundle.st[1][i]])?;
-        attenuate(&mut light, [r, g, b].map(f64::from));
-        Some((class, light))
+        Some(Arrival { class, st: bundle.st.map(|lanes| lanes[i]), share: light })
     }
 }
 
@@ -420,7 +413,6 @@ fn has_avx2() -> bool {
 mod tests {
     use super::*;
     use crate::optics::plate::SlitMirror;
-    use crate::picture::Picture;
     use crate::simulate::sequence::mix;
     use crate::simulate::{Camera, Viewer};
     use crate::transport::Setup;
@@ -428,9 +420,7 @@ mod tests {
 
     /// Every path of a view by bundles and one by one; the share of paths that kept to their bundle's course.
     fn compare(setup: &Setup) -> f64 {
-        let pixels = (0..64).map(|i| [(i % 7) as f32 * 0.1, 0.3, (i % 5) as f32 * 0.2, 1.0]);
-        let display = Picture { width: 8, height: 8, pixels: pixels.collect() };
-        let stage = Stage { setup, display: &display };
+        let stage = Stage { setup };
         let camera = Camera { window: 1.5, ..Camera::at_viewpoint(setup, [64, 64]) };
         let viewer = Viewer { camera, aperture: 8.0, focus: Some(700.0) };
         let lens = Lens::new(&viewer, setup);
@@ -457,7 +447,8 @@ mod tests {
                     // To the last bit: the same functions over the same numbers.
                     assert_eq!(straight.outcome(&bundle, &stage, i), alone, "{column} {row} {i}");
                     kept += usize::from(bundle.kept[i]);
-                    lit += usize::from(alone.is_some());
+                    let on_display = |c: &f64| (0.0..=1.0).contains(c);
+                    lit += usize::from(alone.is_some_and(|end| end.st.iter().all(on_display)));
                     all += 1;
                 }
             }
@@ -510,8 +501,7 @@ mod tests {
         let ball = |matter, z: f64| element(sphere(25.0), matter, [0.0, 0.0, z], [0.0; 3], 0);
         let of = |elements: Vec<_>, pupil: f64| {
             let setup = setup(20.0, elements);
-            let display = Picture::filled(1, 1, [1.0; 4]);
-            let stage = Stage { setup: &setup, display: &display };
+            let stage = Stage { setup: &setup };
             Straight::of(&stage, setup.viewpoint, pupil).is_some()
         };
         assert!(of(vec![], 4.0) && of(vec![ball(clear, 0.0)], 4.0));

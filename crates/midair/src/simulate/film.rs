@@ -82,7 +82,7 @@ impl Render {
 }
 
 /// What one pixel's new paths bring.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Harvest {
     light: [[f64; 3]; 3],
     replication: [f64; REPLICATIONS],
@@ -138,7 +138,7 @@ impl Row {
 }
 
 /// The picture that rows make, where each of their samples took this many paths.
-pub(super) fn develop(rows: &[Row], paths_each: usize, complete: bool) -> Render {
+pub(super) fn develop(rows: &[&Row], paths_each: usize, complete: bool) -> Render {
     let (width, height) = (rows[0].pixels.len(), rows.len());
     let dark = Picture::filled(width, height, [0.0, 0.0, 0.0, 1.0]);
     let mut layers = [dark.clone(), dark.clone(), dark];
@@ -210,7 +210,7 @@ mod tests {
         harvest.add(7, Class::Through, [0.0, 0.0, 32.0]);
         row.add(1, &harvest);
         row.done = 2;
-        let render = develop(&[row, Row::new(2)], 1, false);
+        let render = develop(&[&row, &Row::new(2)], 1, false);
         // Two paths in each of eight replications; the second row is not rendered.
         assert_eq!(render.paths, 32);
         assert_eq!(render.samples_per_pixel, [0, 16]);

@@ -5,7 +5,8 @@ use crate::picture::Picture;
 use crate::transport::{Path, Setup};
 use rayon::prelude::*;
 
-/// What is left of each display pixel's light at the viewpoint, along the path that the map compensates: Fresnel's losses,
+/// What is left of each display pixel's light at the viewpoint, along the path that the map compensates: Fresnel's losses (of a polarised display those of
+/// its polarisation, by Jones calculus),
 /// absorption, the mirrors' and the plate's. Radiance goes by the same factors (both ends are in air), so this is the luminance of
 /// the mid-air image over the display's along its normal: what a measured display emits less aslant is part of it.
 ///
@@ -156,7 +157,7 @@ fn arriving(setup: &Setup, uv: [f64; 2], path: &mut Path) -> Option<([f64; 2], [
         .plate
         .real_share(setup.plate.rectangle.frame.to_local_direction(-left.at_plate.direction));
     let emitted = setup.emitted_against(left.at_display);
-    Some((st, [0, 1, 2].map(|c| left.share[c] * real[c] * emitted[c])))
+    Some((st, [0, 1, 2].map(|c| left.share[c] * real[c] / left.faces * emitted[c])))
 }
 
 /// The view of a display with its losses, in closed form: one line of sight through each pixel of a view of the image. Transparent black

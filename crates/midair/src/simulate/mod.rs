@@ -43,5 +43,5 @@ pub use film::{ErrorEstimate, Layers, Light, Render};
 pub use gain::{ImageGainWork, faded_view, gain, image_gain};
 pub use lens::Viewer;
 pub use reference::Reference;
-pub use render::{Pass, Progress, Settings, SimulateError, render, render_by_colour};
+pub use render::{Pass, Progress, Settings, SimulateError, render, render_all, render_by_colour};
 pub use stray::{BestPose, PoseLimits, STRAY, Sights, StrayView, best_pose};

@@ -39,7 +39,7 @@ pub struct Progress<'a> {
     pub total: u32,
     /// Time spent.
     pub elapsed: Duration,
-    rows: &'a [Row],
+    rows: &'a [Vec<Row>],
     paths_each: usize,
 }
 
@@ -50,9 +50,9 @@ impl Progress<'_> {
         self.elapsed.mul_f64(rest / f64::from(self.samples_per_pixel))
     }
 
-    /// The picture so far.
+    /// The picture so far; of several displays the first one's.
     pub fn preview(&self) -> Render {
-        develop(self.rows, self.paths_each, self.samples_per_pixel == self.total)
+        view_of(self.rows, 0, self.paths_each, self.samples_per_pixel == self.total)
     }
 }
 
@@ -111,12 +111,33 @@ pub fn render(
     monitor: &dyn Monitor,
     pass: Pass,
 ) -> Result<Render, SimulateError> {
+    Ok(first(render_all(setup, &[display], viewer, settings, monitor, pass)?))
+}
+
+/// Renders what `viewer` sees of each of these displays in the set-up's display's place, as [`render`] would by itself: paths do not depend on
+/// what a display shows, so that they are followed once for all.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_all(
+    setup: &Setup,
+    displays: &[&Picture],
+    viewer: &Viewer,
+    settings: &Settings,
+    monitor: &dyn Monitor,
+    pass: Pass,
+) -> Result<Vec<Render>, SimulateError> {
     if setup.disperses() {
         let colours = setup.by_colour();
-        return render_by_colour(colours.each_ref(), display, viewer, settings, monitor, pass);
+        let stages = by_colour(colours.each_ref());
+        return develop_stages(&stages, displays, viewer, settings, monitor, pass);
     }
-    let stage = [(Stage { setup, display }, [1.0; 3])];
-    develop_stages(&stage, viewer, settings, monitor, pass)
+    let stage = [(Stage { setup }, [1.0; 3])];
+    develop_stages(&stage, displays, viewer, settings, monitor, pass)
+}
+
+fn first(renders: Vec<Render>) -> Render {
+    renders.into_iter().next().expect("one display has one view")
 }
 
 /// As [`render`] with a set-up for each of linear R, G and B, which differ in nothing but indices.
@@ -132,23 +153,32 @@ pub fn render_by_colour(
     monitor: &dyn Monitor,
     pass: Pass,
 ) -> Result<Render, SimulateError> {
-    let stages: [_; 3] = std::array::from_fn(|c| {
+    let stages = by_colour(setups);
+    Ok(first(develop_stages(&stages, &[display], viewer, settings, monitor, pass)?))
+}
+
+fn by_colour(setups: [&Setup; 3]) -> [(Stage<'_>, [f64; 3]); 3] {
+    std::array::from_fn(|c| {
         let mut only = [0.0; 3];
         only[c] = 1.0;
-        (Stage { setup: setups[c], display }, only)
-    });
-    develop_stages(&stages, viewer, settings, monitor, pass)
+        (Stage { setup: setups[c] }, only)
+    })
 }
 
 /// Renders on all stages, and takes from each the colours that its factors name.
 fn develop_stages(
     stages: &[(Stage, [f64; 3])],
+    displays: &[&Picture],
     viewer: &Viewer,
     settings: &Settings,
     monitor: &dyn Monitor,
     pass: Pass,
-) -> Result<Render, SimulateError> {
-    check(stages[0].0.display, viewer, settings)?;
+) -> Result<Vec<Render>, SimulateError> {
+    displays.iter().try_for_each(|display| check_display(display))?;
+    check(viewer, settings)?;
+    if displays.is_empty() {
+        return Ok(Vec::new());
+    }
     let [width, height] = viewer.camera.size;
     let lens = Lens::new(viewer, stages[0].0.setup);
     let pupil = 0.5 * viewer.aperture;
@@ -157,7 +187,9 @@ fn develop_stages(
     let start = Stopwatch::start();
 
     let total = settings.samples_per_pixel.div_ceil(REPLICATIONS as u32);
-    let mut rows: Vec<Row> = (0..height).map(|_| Row::new(width)).collect();
+    // Of each row of the view: every display's.
+    let mut rows: Vec<Vec<Row>> =
+        (0..height).map(|_| displays.iter().map(|_| Row::new(width)).collect()).collect();
     let mut done = 0;
     while done < total {
         // Doubling passes show a picture soon; later ones are short enough to watch.
@@ -169,9 +201,9 @@ fn develop_stages(
             }
             let of = Line { row, seed: settings.seed, points: &points, count: more as usize };
             for ((stage, colours), straight) in stages.iter().zip(&straight) {
-                stage.row(straight.as_ref(), &lens, of, *colours, line);
+                stage.row(straight.as_ref(), &lens, of, *colours, displays, line);
             }
-            line.done += more;
+            line.iter_mut().for_each(|row| row.done += more);
         });
         if monitor.is_cancelled() {
             break;
@@ -181,8 +213,14 @@ fn develop_stages(
         let (elapsed, paths_each) = (start.elapsed(), stages.len());
         pass(&Progress { samples_per_pixel, total, elapsed, rows: &rows, paths_each });
     }
-    let complete = rows.iter().all(|row| row.done == total);
-    Ok(develop(&rows, stages.len(), complete))
+    let complete = rows.iter().flatten().all(|row| row.done == total);
+    Ok((0..displays.len()).map(|which| view_of(&rows, which, stages.len(), complete)).collect())
+}
+
+/// The view of one of the displays.
+fn view_of(rows: &[Vec<Row>], which: usize, paths_each: usize, complete: bool) -> Render {
+    let rows: Vec<&Row> = rows.iter().map(|line| &line[which]).collect();
+    develop(&rows, paths_each, complete)
 }
 
 /// Paths of one pixel in a bundle: one of each replication.
@@ -200,16 +238,17 @@ struct Line<'a> {
 
 impl Stage<'_> {
     /// Follows paths through one row of the view, as many through each of its pixels as the pass has, in bundles where `straight` knows
-    /// how; light is multiplied by `colours`.
+    /// how; light is multiplied by `colours`, and goes to each display's own `sums`.
     fn row(
         &self,
         straight: Option<&Straight>,
         lens: &Lens,
         line: Line,
         colours: [f64; 3],
-        sums: &mut Row,
+        displays: &[&Picture],
+        sums: &mut [Row],
     ) {
-        let width = sums.width();
+        let width = sums.first().map_or(0, Row::width);
         let mut bundle = Bundle::new();
         let mut at = Places {
             column: [0.0; LANES],
@@ -218,7 +257,7 @@ impl Stage<'_> {
             index: [0; LANES],
         };
         let mut course = None;
-        let mut harvest = Harvest::default();
+        let mut harvests = vec![Harvest::default(); displays.len()];
         let octets = width * line.count;
         for first in (0..octets).step_by(OCTETS) {
             let used = OCTETS.min(octets - first);
@@ -252,14 +291,19 @@ impl Stage<'_> {
                             self.follow(ray, chance)
                         }
                     };
-                    if let Some((class, light)) = outcome {
-                        let light = std::array::from_fn(|c| light[c] * colours[c]);
-                        harvest.add(replication, class, light);
+                    let Some(end) = outcome else { continue };
+                    for (display, harvest) in displays.iter().zip(&mut harvests) {
+                        if let Some(light) = end.light(display) {
+                            let light = std::array::from_fn(|c| light[c] * colours[c]);
+                            harvest.add(replication, end.class, light);
+                        }
                     }
                 }
                 if (first + octet + 1).is_multiple_of(line.count) {
-                    sums.add((first + octet) / line.count, &harvest);
-                    harvest = Harvest::default();
+                    for (sums, harvest) in sums.iter_mut().zip(&mut harvests) {
+                        sums.add((first + octet) / line.count, harvest);
+                        *harvest = Harvest::default();
+                    }
                 }
             }
             if straight.is_some() && bundle.is_lost() {
@@ -269,15 +313,19 @@ impl Stage<'_> {
     }
 }
 
-fn check(display: &Picture, viewer: &Viewer, settings: &Settings) -> Result<(), SimulateError> {
-    let [width, height] = viewer.camera.size;
-    if width == 0 || height == 0 {
-        return Err(SimulateError::EmptyView(width, height));
-    }
+fn check_display(display: &Picture) -> Result<(), SimulateError> {
     let held = display.pixels.len();
     if held == 0 || display.width.checked_mul(display.height) != Some(held) {
         let (width, height) = (display.width, display.height);
         return Err(SimulateError::Display { width, height, held });
+    }
+    Ok(())
+}
+
+fn check(viewer: &Viewer, settings: &Settings) -> Result<(), SimulateError> {
+    let [width, height] = viewer.camera.size;
+    if width == 0 || height == 0 {
+        return Err(SimulateError::EmptyView(width, height));
     }
     if settings.samples_per_pixel == 0 {
         return Err(SimulateError::NoPaths);

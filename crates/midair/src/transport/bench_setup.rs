@@ -27,6 +27,7 @@ pub(crate) fn setup(size: f64, elements: Vec<Element>) -> Setup {
         plate: Plate::ideal(plate),
         display: Rectangle { frame, size: [size; 2] },
         emission: Emission::Lambert,
+        polarisation: None,
         screen: Screen::default(),
         wavelengths: [611.0, 549.0, 465.0],
         resolution: [256; 2],

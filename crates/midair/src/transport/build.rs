@@ -70,6 +70,7 @@ impl Setup {
             plate,
             display: scene.display_rectangle(),
             emission: loaded.emission.clone(),
+            polarisation: scene.display.polarisation,
             screen: loaded.screen.clone(),
             wavelengths: scene.display.wavelengths,
             resolution: scene.display.resolution,

@@ -5,14 +5,19 @@ use super::setup::{Matter, Setup};
 use super::walk::Walk;
 use crate::geometry::{Ray, Vec3};
 use crate::optics::interface::{attenuate, beer_lambert, fresnel};
+use crate::optics::polarisation::Analysed;
 
 /// What the elements leave of light that goes along a path (either way: both ends are in air), and how it
 /// meets the plate.
 #[derive(Clone, Copy, Debug)]
 pub struct Remainder {
-    /// Share of the light that survives, by linear R, G, B: Fresnel's transmittance (unpolarised) at each surface, the mirrors'
-    /// reflectance, and absorption within solids.
+    /// Share of the light that survives, by linear R, G, B: Fresnel's transmittance at each surface, the mirrors'
+    /// reflectance, and absorption within solids. Light of a polarised display is followed by its field, with the plate's faces; else
+    /// each surface takes what it takes of unpolarised light.
     pub share: [f64; 3],
+    /// What the plate's faces pass of unpolarised light, where `share` has them already: what the plate's own share is to be divided by. 1 for
+    /// unpolarised light.
+    pub faces: f64,
     /// The path as it meets the plate, towards the display: the point, and a unit vector, in the world.
     pub at_plate: Ray,
     /// The direction in which the path meets the display: a unit vector, in the world.
@@ -25,7 +30,8 @@ impl Setup {
     pub fn remainder(&self, ray: Ray, path: &[Step]) -> Option<Remainder> {
         let mut walk = Walk::new(ray);
         let mut share = [1.0; 3];
-        let mut at_plate = None;
+        let (mut at_plate, mut faces) = (None, 1.0);
+        let mut field = self.polarisation.map(|_| Analysed::at_eye(ray.direction));
         for step in path {
             let ray = walk.ray;
             let ahead = self.advance(&ray, step);
@@ -41,21 +47,43 @@ impl Setup {
             if step.action == Action::Plate {
                 let origin = ray.at(self.plate.rectangle.plane_distance(&ray));
                 at_plate = Some(Ray { origin, direction: ray.direction });
+                if let Some(field) = &mut field {
+                    let (frame, direction) = (&self.plate.rectangle.frame, ray.direction);
+                    faces = self.plate.faces(direction);
+                    self.plate.model().turn(field, frame, direction, ahead.direction);
+                }
                 walk.leave_plate(ahead);
                 continue;
             }
             match (step.action, self.elements[usize::from(step.element)].matter) {
                 (Action::Refract { eta }, _) => {
                     let (_, d, n) = self.facet(&ray, step);
-                    // Rounding must not take a grazing cosine out of its range.
-                    let passed = fresnel((-d.dot(n)).min(1.0), eta).transmittance();
-                    attenuate(&mut share, [passed; 3]);
+                    match &mut field {
+                        Some(field) => {
+                            let n = self.normal_against(&ray, step);
+                            field.refract(ray.direction, n, eta, ahead.direction);
+                        }
+                        None => {
+                            // Rounding must not take a grazing cosine out of its range.
+                            let passed = fresnel((-d.dot(n)).min(1.0), eta).transmittance();
+                            attenuate(&mut share, [passed; 3]);
+                        }
+                    }
                 }
                 (Action::Reflect, Matter::Mirror { reflectance }) => {
+                    if let Some(field) = &mut field {
+                        field.mirror(self.normal_against(&ray, step));
+                    }
                     attenuate(&mut share, reflectance);
                 }
-                // Total reflection takes nothing.
-                _ => {}
+                // Total reflection takes nothing, and turns the field.
+                (Action::Reflect, Matter::Refractive { .. }) => {
+                    if let (Some(field), Some(eta)) = (&mut field, self.eta(&walk, step)) {
+                        let n = self.normal_against(&ray, step);
+                        field.reflect(ray.direction, n, eta, ahead.direction);
+                    }
+                }
+                (Action::Pass | Action::Plate, _) => {}
             }
             self.take(&mut walk, *step, ahead);
         }
@@ -63,7 +91,11 @@ impl Setup {
             let distance = self.display.plane_distance(&walk.ray);
             attenuate(&mut share, beer_lambert(absorption, distance));
         }
-        Some(Remainder { share, at_plate: at_plate?, at_display: walk.ray.direction })
+        let at_display = walk.ray.direction;
+        if let (Some(field), Some(e)) = (&field, self.polarised_against(at_display)) {
+            attenuate(&mut share, [field.share(e); 3]);
+        }
+        Some(Remainder { share, faces, at_plate: at_plate?, at_display })
     }
 }
 
@@ -71,7 +103,7 @@ impl Setup {
 mod tests {
     use super::*;
     use crate::geometry::{Shape, Sheet};
-    use crate::transport::bench_setup::{block, element, setup, sphere};
+    use crate::transport::bench_setup::{ACRYLIC, block, element, setup, sphere};
     use crate::transport::{Element, Path};
 
     fn remainder(elements: Vec<Element>, uv: [f64; 2]) -> Remainder {
@@ -92,6 +124,38 @@ mod tests {
             let expected = 0.96f64.powi(2) * (-absorption[c] * 40.0).exp();
             assert!((found[c] - expected).abs() < 1e-12, "{found:?}");
         }
+    }
+
+    /// At Brewster's angle a slab passes all of p and (1 - R_s)^2 of s, R_s = ((n^2 - 1) / (n^2 + 1))^2 (Hecht, Optics, 8.6); between them Malus' law. The
+    /// plate, whose normal lies in the plane of the display's y axis, keeps both apart.
+    #[test]
+    fn polarised_light_is_followed_by_its_field() {
+        let n = 1.49f64;
+        let turn = n.atan().to_degrees();
+        let slab = element(block(400.0, 90.0, 4.0), ACRYLIC, [0.0; 3], [0.0, turn, 0.0], 0);
+        let mut setup = setup(20.0, vec![slab]);
+        // From far away, so that the ray through the image's centre is one of parallel ones; it meets the slab at its middle.
+        setup.viewpoint = Vec3::new(0.0, 0.0, 1e6);
+        setup.display.size = [200.0; 2];
+        let mut found = |polarisation: Option<f64>| {
+            setup.polarisation = polarisation;
+            let mut path = Path::new();
+            setup.transport([0.5, 0.5], &mut path).st().expect("it arrives");
+            setup.remainder(setup.ray([0.5, 0.5]), &path).expect("it is a path").share[1]
+        };
+        let s = (1.0 - ((n * n - 1.0) / (n * n + 1.0)).powi(2)).powi(2);
+        for (angle, expected) in
+            [(0.0, 1.0), (90.0, s), (30.0, 0.75 + 0.25 * s), (-60.0, 0.25 + 0.75 * s)]
+        {
+            assert!(
+                (found(Some(angle)) - expected).abs() < 1e-9,
+                "{angle}: {}",
+                found(Some(angle))
+            );
+        }
+        // Surface by surface the unpolarised mean: a little less than the mean of both.
+        let unpolarised = (0.5 * (1.0 + s.sqrt())).powi(2);
+        assert!((found(None) - unpolarised).abs() < 1e-9);
     }
 
     #[test]

@@ -7,6 +7,7 @@ use crate::optics::Index;
 use crate::optics::emission::Emission;
 use crate::optics::interface::{reflect, refract};
 use crate::optics::plate::{Model, Plate, display_place, pass_ideal};
+use crate::optics::polarisation::polariser_field;
 use crate::optics::screen::Screen;
 
 /// What an element is made of, at one wavelength.
@@ -61,6 +62,8 @@ pub struct Setup {
     pub display: Rectangle,
     /// How the display's light goes with the direction.
     pub emission: Emission,
+    /// Direction of the electric field of the display's light from its x axis towards its y axis, degrees; `None`: unpolarised.
+    pub polarisation: Option<f64>,
     /// How the display's codes become light.
     pub screen: Screen,
     /// Wavelengths in nm that stand for its red, green and blue.
@@ -94,8 +97,7 @@ impl Setup {
         Self { plate: Plate::new(self.plate.rectangle, model), ..self.clone() }
     }
 
-    /// The same plate and display with no object between, the display where it shows the image undistorted by itself: the reference that
-    /// views are compared with.
+    /// The same plate and display with no object between, the display where it belongs for this plate: what the plate by itself shows.
     pub fn unobstructed(&self) -> Self {
         let mut setup = Self { elements: Vec::new(), ..self.clone() };
         setup.display = setup.display_place();
@@ -105,8 +107,8 @@ impl Setup {
     /// Where the display belongs if mirrors are flat and solids absent, in the image's size.
     pub fn display_place(&self) -> Rectangle {
         let mirrors: Vec<Frame> = self.mirrors().map(|mirror| mirror.frame).collect();
-        let plate = &self.plate.rectangle.frame;
-        display_place(self.image.frame, &mirrors, plate, self.viewpoint, self.image.size)
+        let (plate, layers) = (&self.plate.rectangle.frame, self.plate.layers());
+        display_place(self.image.frame, &mirrors, plate, layers, self.viewpoint, self.image.size)
     }
 
     /// The elements that reflect.
@@ -238,6 +240,13 @@ impl Setup {
         }
     }
 
+    /// The field of the display's light against a ray that meets it with this direction (unit): a unit vector across the ray; `None`: unpolarised.
+    pub fn polarised_against(&self, direction: Vec3) -> Option<Vec3> {
+        let (sin, cos) = self.polarisation?.to_radians().sin_cos();
+        let [x, y, normal] = self.display.frame.axes;
+        Some(polariser_field(direction, x * cos + y * sin, normal))
+    }
+
     /// One step of a path whose course is known. NaN where the step is not possible.
     pub fn advance<T: Real>(&self, ray: &Ray<T>, step: &Step) -> Ray<T> {
         if step.action == Action::Plate {
@@ -275,6 +284,12 @@ impl Setup {
         let (t, normal) = element.shape.cross(&local, step.face, step.crossing);
         let against = if local.direction.dot(normal).value() > 0.0 { -normal } else { normal };
         (t, local.direction, against)
+    }
+
+    /// The unit normal of a step's surface on the side that the ray comes from, in the world.
+    pub fn normal_against(&self, ray: &Ray, step: &Step) -> Vec3 {
+        let (_, _, n) = self.facet(ray, step);
+        self.elements[usize::from(step.element)].frame.to_world_direction(n)
     }
 
     /// F along a known path, continued smoothly beyond the path's own region; NaN where it ceases to exist.

@@ -79,6 +79,14 @@ impl Setup {
         walk.standing = Some(step);
     }
 
+    /// Index before over index behind the surface of a solid that the path meets; `None` at a mirror.
+    pub fn eta(&self, walk: &Walk, step: &Step) -> Option<f64> {
+        let element = &self.elements[usize::from(step.element)];
+        matches!(element.matter, Matter::Refractive { .. }).then(|| {
+            self.medium_index(walk.inside) / self.medium_index(walk.inside ^ 1 << element.rank)
+        })
+    }
+
     /// Absorption per mm by linear R, G, B where the path is; `None` where nothing is absorbed.
     pub fn absorption(&self, walk: &Walk) -> Option<[f64; 3]> {
         match self.medium(walk.inside)?.matter {

@@ -8,7 +8,7 @@ use crate::measure::lattice::{LatticeStyle, draw_lattice};
 use crate::picture::optimal::{ViewSamples, view_through};
 use crate::picture::{Picture, display_image, display_image_by_colour};
 use crate::simulate::Camera;
-use crate::transport::{Path, Setup};
+use crate::transport::{Path, Setup, on_display};
 
 /// How wide fringes are at lattice lines: the distance across the line between the outermost of the three colours, in view pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,8 +41,8 @@ const PLACES: usize = 8;
 /// Width of the close-ups: pixels, and as a share of the image.
 const CLOSE_UP: usize = 192;
 const CLOSE_UP_SHARE: f64 = 0.2;
-/// Pixels that the lattice is drawn with: about as many as a view has of which a close-up is a part.
-const DRAWN: usize = 768;
+/// Pixels along a side that the lattice of a close-up is drawn with, at least and at most.
+const DRAWN: [usize; 2] = [768, 2048];
 
 /// Fringes of a scene at the lines of a lattice, in pixels of a view that is `width` pixels wide; `one` is the scene's map for all colours.
 ///
@@ -90,7 +90,7 @@ pub fn fringes(
         0 => FringeWidth { mean: f64::NAN, max: f64::NAN },
         n => FringeWidth { mean: sum.mean / n as f64, ..sum },
     });
-    let close_ups = close_ups(setup, &setups, one, &three, style, worst)?;
+    let close_ups = close_ups(setup, &setup.by_colour(), style, worst)?;
     let resolution = setups[0].resolution;
     Ok(Fringes { one_map, by_colour, places, resolution, close_ups })
 }
@@ -108,18 +108,20 @@ fn on_lines(style: &LatticeStyle) -> impl Iterator<Item = ([f64; 2], usize)> {
     })
 }
 
-/// A white lattice seen in its three colours, about an image point.
+/// A white lattice seen in its three colours, about an image point, on the part of the display that is seen there: with the
+/// display's own pixels, so that what looks blurred or coloured is so on the display.
 fn close_ups(
     main: &Setup,
     setups: &[Setup; 3],
-    one: &Map,
-    three: &[Map; 3],
     style: &LatticeStyle,
     about: [f64; 2],
 ) -> Result<[Picture; 2], ProofError> {
     let style = LatticeStyle { line: [1.0; 4], ground: [0.0, 0.0, 0.0, 1.0], ..style.clone() };
-    let drawn = draw_lattice(DRAWN, DRAWN, &style)?;
-    let displays = [display_image(&drawn, one), display_image_by_colour(&drawn, three.each_ref())];
+    let drawn = {
+        // Twice as fine as the display, whose pixels average over exact shares of the lines' edges.
+        let side = (2 * main.resolution[0].max(main.resolution[1])).clamp(DRAWN[0], DRAWN[1]);
+        draw_lattice(side, side, &style)?
+    };
     let half = 0.5 * CLOSE_UP_SHARE;
     let middle = main.image.point(about.map(|c| c.clamp(half, 1.0 - half)));
     // What a ray meets does not depend on the image: a smaller one is a closer look.
@@ -130,11 +132,18 @@ fn close_ups(
         closer
     };
     let [width, height] = closer(main).view_size(CLOSE_UP);
-    let mut views = [0, 1].map(|_| Picture::filled(width, height, [0.0, 0.0, 0.0, 1.0]));
-    for (c, setup) in setups.iter().enumerate() {
+    let sights = setups.each_ref().map(|setup| {
         let closer = closer(setup);
         let camera = Camera::at_viewpoint(&closer, [width, height]);
-        let samples = ViewSamples::of(&camera.rays(&closer), &|_| {});
+        ViewSamples::of(&camera.rays(&closer), &|_| {})
+    });
+    let part = Part::seen(main.resolution, sights.iter().flat_map(ViewSamples::st));
+    let map = |setup: &Setup| invert(&part.of(setup), Accuracy::default()).0;
+    let (one, three) = (map(main), setups.each_ref().map(map));
+    let displays = [display_image(&drawn, &one), display_image_by_colour(&drawn, three.each_ref())];
+    let mut views = [0, 1].map(|_| Picture::filled(width, height, [0.0, 0.0, 0.0, 1.0]));
+    for (c, samples) in sights.into_iter().enumerate() {
+        let samples = samples.map(|st| part.place(st));
         for (view, display) in views.iter_mut().zip(&displays) {
             let seen = view_through(&samples, display)?;
             let pixels = view.pixels.iter_mut().zip(&seen.pixels);
@@ -142,4 +151,74 @@ fn close_ups(
         }
     }
     Ok(views)
+}
+
+/// Whole pixels of a display: columns and rows (from below) `from .. to`.
+struct Part {
+    whole: [usize; 2],
+    from: [usize; 2],
+    to: [usize; 2],
+}
+
+impl Part {
+    /// The pixels about these display points and a few beside them.
+    fn seen<'a>(whole: [usize; 2], points: impl Iterator<Item = &'a [f64; 2]>) -> Self {
+        let none = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        let (low, high) = points.filter(|st| on_display(**st)).fold(none, |(low, high), st| {
+            ([low[0].min(st[0]), low[1].min(st[1])], [high[0].max(st[0]), high[1].max(st[1])])
+        });
+        let pixel = |axis: usize, at: f64, aside: f64| {
+            let place = at * whole[axis] as f64 + aside;
+            place.clamp(0.0, whole[axis] as f64)
+        };
+        // Filters reach two pixels; where nothing is seen, one pixel is as good as any.
+        let from = [0, 1]
+            .map(|axis| (pixel(axis, low[axis].min(0.5), -3.0) as usize).min(whole[axis] - 1));
+        let to = [0, 1].map(|axis| (pixel(axis, high[axis], 4.0) as usize).max(from[axis] + 1));
+        Self { whole, from, to }
+    }
+
+    /// The set-up with this part of its display alone.
+    fn of(&self, setup: &Setup) -> Setup {
+        let share = |axis: usize, pixel: f64| pixel / self.whole[axis] as f64;
+        let middle = [0, 1].map(|a| share(a, 0.5 * (self.from[a] + self.to[a]) as f64));
+        let pixels = [0, 1].map(|axis| self.to[axis] - self.from[axis]);
+        let mut part = setup.with_resolution(pixels);
+        part.display.frame.origin = setup.display.point(middle);
+        part.display.size =
+            [0, 1].map(|axis| setup.display.size[axis] * share(axis, pixels[axis] as f64));
+        part
+    }
+
+    /// A point of the whole display on this part.
+    fn place(&self, st: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|axis| {
+            let (from, to) = (self.from[axis] as f64, self.to[axis] as f64);
+            (st[axis] * self.whole[axis] as f64 - from) / (to - from)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::transport::bench_setup::setup;
+
+    /// A part's pixels are the display's own: the same points in the world.
+    #[test]
+    fn a_part_of_a_display_has_its_pixels() {
+        let whole = setup(20.0, vec![]).with_resolution([40, 50]);
+        let points = [[0.2, 0.5], [0.31, 0.62], [f64::NAN; 2], [1.4, 0.2]];
+        let part = Part::seen(whole.resolution, points.iter());
+        // 0.2 and 0.31 of 40, 0.5 and 0.62 of 50, with three pixels more on each side.
+        assert_eq!((part.from, part.to), ([5, 22], [16, 35]));
+        let cropped = part.of(&whole);
+        assert_eq!(cropped.resolution, [11, 13]);
+        for st in &points[..2] {
+            let (a, b) = (whole.display.point(*st), cropped.display.point(part.place(*st)));
+            assert!((a - b).length() < 1e-12, "{a:?} {b:?}");
+        }
+        let nothing = Part::seen([40, 50], [[f64::NAN; 2]].iter());
+        assert!((0..2).all(|axis| nothing.from[axis] < nothing.to[axis]));
+    }
 }

@@ -1,5 +1,6 @@
 //! What the paper's evaluation yields, as data: likeness of views, displacement over azimuth, the paper's own figures beside.
 
+use serde::Serialize;
 use serde_json::{Value, json};
 
 /// Likeness of a view to its reference (the same image without the object).
@@ -24,6 +25,9 @@ pub struct Quality {
     pub with: Scores,
     /// Without.
     pub without: Scores,
+    /// The reference rendered once more with other random numbers: what noise alone takes off. No view can be known to be more like the
+    /// reference than the reference itself.
+    pub floor: Scores,
 }
 
 /// The lattice's mean displacement over the camera's azimuth, at one surface.
@@ -33,51 +37,86 @@ pub struct Shape {
     pub surface: String,
     /// One for each place of the camera.
     pub views: Vec<ShapeView>,
+    /// Intersections that calculated means are over, the same from every place: those that are formed from all.
+    pub intersections: usize,
+    /// Intersections that measured means are over, the same in every view in which any was found.
+    pub measured_intersections: usize,
+    /// Intersections of the lattice.
+    pub lattice: usize,
+}
+
+/// Mean displacements under three conditions, pixels; `None` where there is none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Displacements {
+    /// Compensated for the place of the camera.
+    pub with: Option<f64>,
+    /// With the compensation for azimuth 0 kept.
+    pub kept: Option<f64>,
+    /// Without.
+    pub without: Option<f64>,
+}
+
+impl Displacements {
+    /// With, kept, without.
+    pub fn all(self) -> [Option<f64>; 3] {
+        [self.with, self.kept, self.without]
+    }
+
+    fn means(all: impl Iterator<Item = Self> + Clone) -> Self {
+        let of = |pick: fn(Self) -> Option<f64>| mean(all.clone().map(pick));
+        Self { with: of(|d| d.with), kept: of(|d| d.kept), without: of(|d| d.without) }
+    }
 }
 
 /// The lattice's mean displacement seen from one place.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ShapeView {
     /// Degrees; 0 is the viewpoint that is compensated for.
     pub azimuth: f64,
-    /// Pixels, compensated for this place; None when too little of the lattice was found.
-    pub with: Option<f64>,
-    /// Pixels, with the compensation for azimuth 0 kept.
-    pub kept: Option<f64>,
-    /// Pixels, without.
-    pub without: Option<f64>,
-    /// Over how many intersections each of them is: those found under every condition that was measured.
-    pub intersections: usize,
-}
-
-impl ShapeView {
-    /// Compensated, with the compensation for azimuth 0 kept, and without, where all of them are known.
-    pub fn complete(&self) -> Option<[f64; 3]> {
-        Some([self.with?, self.kept?, self.without?])
-    }
+    /// By calculation, over [`Shape::intersections`].
+    pub exact: Displacements,
+    /// Measured on views, over [`Shape::measured_intersections`].
+    pub measured: Displacements,
+    /// By calculation over the measured ones: what the measurement should give.
+    pub exact_there: Displacements,
 }
 
 impl Shape {
-    /// The means of the three conditions over the same azimuths, those at which all were measured, and how many azimuths
-    /// and intersections that are.
-    pub fn means(&self) -> ([Option<f64>; 3], usize, usize) {
-        let complete: Vec<([f64; 3], usize)> = self
-            .views
-            .iter()
-            .filter_map(|view| Some((view.complete()?, view.intersections)))
-            .collect();
-        let of = |condition: usize| mean(complete.iter().map(|(all, _)| Some(all[condition])));
+    /// The calculated means over all azimuths.
+    pub fn mean(&self) -> Displacements {
+        Displacements::means(self.views.iter().map(|view| view.exact))
+    }
+
+    /// The measured means, over the azimuths at which all three were measured; how many those are; and what the
+    /// calculation gives for the same azimuths and intersections.
+    pub fn measured_mean(&self) -> (Displacements, usize, Displacements) {
+        let complete =
+            self.views.iter().filter(|view| view.measured.all().iter().all(Option::is_some));
         (
-            [of(0), of(1), of(2)],
-            complete.len(),
-            complete.iter().map(|(_, intersections)| intersections).sum(),
+            Displacements::means(complete.clone().map(|view| view.measured)),
+            complete.clone().count(),
+            Displacements::means(complete.map(|view| view.exact_there)),
         )
     }
 
-    /// What a mean is over, in words.
+    /// What the calculated mean is over, in words.
     pub fn extent(&self) -> String {
-        let (_, azimuths, intersections) = self.means();
-        format!("{azimuths} of {} azimuths, {intersections} intersections", self.views.len())
+        format!(
+            "{} azimuths, the same {} of {} intersections at each",
+            self.views.len(),
+            self.intersections,
+            self.lattice
+        )
+    }
+
+    /// What the measured mean is over, in words.
+    pub fn measured_extent(&self) -> String {
+        let (_, azimuths, _) = self.measured_mean();
+        format!(
+            "{azimuths} of {} azimuths, the same {} intersections at each",
+            self.views.len(),
+            self.measured_intersections
+        )
     }
 }
 
@@ -195,37 +234,33 @@ impl Evaluation {
         let quality = self.quality.iter().map(|row| {
             json!({
                 "surface": row.surface, "image": row.image,
-                "with": scores(&row.with), "without": scores(&row.without)
+                "with": scores(&row.with), "without": scores(&row.without), "floor": scores(&row.floor)
             })
         });
         let shapes = self.shapes.iter().map(|shape| {
-            let views = shape.views.iter().map(|view| {
-                json!({
-                    "azimuth": view.azimuth, "with": view.with, "kept": view.kept,
-                    "without": view.without, "intersections": view.intersections
-                })
-            });
-            let (means, azimuths, intersections) = shape.means();
+            let (measured, azimuths, exact_there) = shape.measured_mean();
             json!({
-                "surface": shape.surface, "views": views.collect::<Vec<_>>(),
-                "mean": {
-                    "with": means[0], "kept": means[1], "without": means[2],
-                    "azimuths": azimuths, "intersections": intersections
+                "surface": shape.surface, "views": shape.views, "mean": shape.mean(),
+                "intersections": shape.intersections,
+                "measured": {
+                    "mean": measured, "exact_there": exact_there, "azimuths": azimuths,
+                    "intersections": shape.measured_intersections
                 }
             })
         });
         let means = surfaces(&self.quality).into_iter().map(|surface| {
             let rows = || self.quality.iter().filter(|row| row.surface == surface);
             let of = MEASURES.iter().map(|(key, of, more)| {
-                let (with, without) = (
+                let [with, without, floor] = [
                     mean(rows().map(|row| of(&row.with))),
                     mean(rows().map(|row| of(&row.without))),
-                );
+                    mean(rows().map(|row| of(&row.floor))),
+                ];
                 let wins = |who: Winner| {
                     rows().filter(|r| winner(of(&r.with), of(&r.without), *more) == who).count()
                 };
                 let found = json!({
-                    "with": with, "without": without,
+                    "with": with, "without": without, "floor": floor,
                     "better_with": wins(Winner::With), "better_without": wins(Winner::Without)
                 });
                 ((*key).to_owned(), found)

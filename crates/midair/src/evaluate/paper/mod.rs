@@ -11,8 +11,8 @@ mod stage;
 mod tests;
 
 pub use evaluation::{
-    Evaluation, MEASURES, Measure, PUBLISHED_DISPLACEMENT, PUBLISHED_QUALITY, Published, Quality,
-    Scores, Shape, ShapeView, Winner, mean, published, surfaces, winner,
+    Displacements, Evaluation, MEASURES, Measure, PUBLISHED_DISPLACEMENT, PUBLISHED_QUALITY,
+    Published, Quality, Scores, Shape, ShapeView, Winner, mean, published, surfaces, winner,
 };
 pub use run::{Photograph, QualityView, Settings, Subject, quality, shape};
 pub use stage::PaperError;

@@ -1,12 +1,15 @@
 //! What stands before the camera: with and without the object, shown compensated and as it is.
 
+use super::super::proof::displacement::interpolated;
 use crate::geometry::{Rectangle, Vec3};
 use crate::map::{Accuracy, Map, invert};
 use crate::optics::plate::Model;
 use crate::picture::{Picture, display_image};
 use crate::scene::model::{Material, Shape};
 use crate::scene::{Asset, Loaded};
-use crate::simulate::{Camera, Light, Settings as RenderSettings, SimulateError, Viewer, render};
+use crate::simulate::{
+    Camera, Light, Settings as RenderSettings, SimulateError, Viewer, render_all,
+};
 use crate::transport::{End, Path, Setup, SetupError};
 
 /// Why an evaluation cannot be done.
@@ -48,12 +51,6 @@ pub(super) struct Stage<'a> {
     object: Setup,
     /// Without it: solids taken away, bent mirrors made flat, for without a mirror the image could not be seen from there.
     without: Setup,
-}
-
-/// A display in its place, and what it shows.
-pub(super) struct Shown {
-    pub place: Rectangle,
-    pub picture: Picture,
 }
 
 /// How a view is taken.
@@ -122,36 +119,88 @@ impl<'a> Stage<'a> {
         let rows = (columns as f64 * height / width).round();
         setup.resolution = [columns, (rows as usize).clamp(1, 4 * columns)];
         let (map, _) = invert(&setup, Accuracy::default());
-        Ok(Display { place: setup.display, map })
+        Ok(Display { setup, map })
     }
 
-    /// The view of what is shown, with the object or without it; linear light.
-    pub fn view(
+    /// The views of a display that shows one of these after the other, with the object or without it; linear light.
+    pub fn views(
         &self,
-        shown: &Shown,
+        display: &Display,
+        shown: &[Picture],
         with_object: bool,
         take: Take,
-    ) -> Result<Picture, SimulateError> {
+    ) -> Result<Vec<Picture>, SimulateError> {
         let mut setup = if with_object { self.object.clone() } else { self.without.clone() };
-        setup.display = shown.place;
-        setup.resolution = [shown.picture.width, shown.picture.height];
+        (setup.display, setup.resolution) = (display.setup.display, display.setup.resolution);
         let viewer = Viewer { camera: take.camera, aperture: take.aperture, focus: None };
         let settings =
             RenderSettings { samples_per_pixel: take.samples_per_pixel, seed: take.seed };
-        let rendered = render(&setup, &shown.picture, &viewer, &settings, &(), &mut |_| ())?;
-        Ok(rendered.view(take.light))
+        let shown: Vec<&Picture> = shown.iter().collect();
+        let rendered = render_all(&setup, &shown, &viewer, &settings, &(), &mut |_| ())?;
+        Ok(rendered.into_iter().map(|view| view.view(take.light)).collect())
+    }
+
+    /// Where an eye sees, through the object, what a display shows: by calculation, over `window` times the image.
+    pub fn sight(&self, display: &Display, eye: Vec3, window: f64) -> Sight {
+        let mut setup = self.object.clone();
+        setup.viewpoint = eye;
+        setup.image.size = setup.image.size.map(|side| side * window);
+        setup.display = display.setup.display;
+        let [columns, rows] = display.setup.resolution;
+        setup.resolution = [SIGHT, (SIGHT * rows / columns).max(2)];
+        let (map, _) = invert(&setup, Accuracy::default());
+        Sight { setup, map, window }
     }
 }
 
+/// Pixels in a row of the maps that tell where a display's points are seen; from there Newton's method goes on.
+const SIGHT: usize = 256;
+
 /// A display for one eye: where it stands, and the map that it is coloured through.
 pub(super) struct Display {
-    place: Rectangle,
+    setup: Setup,
     map: Map,
 }
 
 impl Display {
-    pub fn showing(&self, picture: &Picture) -> Shown {
-        Shown { place: self.place, picture: display_image(picture, &self.map) }
+    pub fn showing(&self, picture: &Picture) -> Picture {
+        display_image(picture, &self.map)
+    }
+
+    /// The point that shows an image point, in the world; `None` where the eye it is for sees none.
+    pub fn shown_at(&self, uv: [f64; 2]) -> Option<Vec3> {
+        let st = self.setup.transport(uv, &mut Path::new()).formed()?;
+        Some(self.setup.display.point(st))
+    }
+}
+
+/// An eye that looks at a display.
+pub(super) struct Sight {
+    /// Its image is larger than the scene's by `window`.
+    setup: Setup,
+    map: Map,
+    window: f64,
+}
+
+impl Sight {
+    /// The image point where a point of the display is seen; `None` where it is not, or at several places.
+    pub fn seen_at(&self, point: Vec3) -> Option<[f64; 2]> {
+        let st = self.setup.display.coordinates(point);
+        let mut uv = interpolated(&self.map, st)?;
+        let mut path = Path::new();
+        // The map is interpolated to a hundredth of its pixel or so: two steps leave rounding.
+        for _ in 0..4 {
+            self.setup.transport(uv, &mut path).st()?;
+            let (end, [[a, b], [c, d]]) = self.setup.follow_with_jacobian(uv, &mut path);
+            let off = [st[0] - end[0], st[1] - end[1]];
+            let determinant = a * d - b * c;
+            uv[0] += (d * off[0] - b * off[1]) / determinant;
+            uv[1] += (a * off[1] - c * off[0]) / determinant;
+        }
+        let end = self.setup.transport(uv, &mut path).st()?;
+        // A nanometre on a display of a metre: where steps do not lead there, the point lies at an edge.
+        let near = (end[0] - st[0]).hypot(end[1] - st[1]) < 1e-9;
+        near.then(|| uv.map(|c| (c - 0.5) * self.window + 0.5))
     }
 }
 

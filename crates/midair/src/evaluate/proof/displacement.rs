@@ -2,7 +2,9 @@
 
 use crate::map::{Map, Status};
 use crate::measure::Plane;
-use crate::measure::lattice::{Displacement, Lattice, LatticeStyle, detect, displacement};
+use crate::measure::lattice::{
+    Displacement, Lattice, LatticeStyle, detect, detect_at, displacement,
+};
 use crate::picture::Picture;
 use crate::simulate::Camera;
 use crate::transport::{Path, Setup};
@@ -18,10 +20,15 @@ pub struct Shape {
     /// Where they belong, in the same order.
     pub belongs: Vec<[f64; 2]>,
     /// Between the intersections found in the view and those found in the reference, view pixels; or why it could
-    /// not be measured.
+    /// not be measured. An intersection has its name from the transport, to a third of the way to the next: an edge of the object may drop, repeat and
+    /// reorder lines, so that the picture by itself does not tell which is which.
     pub measured: Result<Displacement, String>,
     /// From the transport itself, without looking at a view; view pixels. Empty where no intersection is formed.
     pub exact: Displacement,
+    /// The same over the intersections that were measured: what the measurement should give.
+    pub exact_there: Option<Displacement>,
+    /// Crossings in the view that no intersection is expected next to, or that could not be measured.
+    pub left_out: usize,
 }
 
 /// What is seen of a display, by calculation.
@@ -94,7 +101,12 @@ impl<'a> Measure<'a> {
             uv.iter().map(|&uv| place(uv).map(|uv| camera.view_position(uv))).collect();
         let nothing = Displacement { mean: f64::NAN, max: f64::NAN, points: vec![None; uv.len()] };
         let exact = displacement(&calculated, &wanted).unwrap_or(nothing);
-        let seen = found(&view, self.style.lines);
+        // What leaves the view is not looked for at its border.
+        let [width, height] = camera.size.map(|side| side as f64);
+        let in_view = |[x, y]: &[f64; 2]| (0.0..=width).contains(x) && (0.0..=height).contains(y);
+        let expected: Vec<_> = calculated.iter().map(|place| place.filter(in_view)).collect();
+        let seen = detect_at(&Plane::luminance(&view), self.style.lines, &expected)
+            .map_err(|error| error.to_string());
         let measured = match (&seen, &self.reference) {
             (Ok(seen), Ok(reference)) => {
                 displacement(&seen.points(), &reference.points()).map_err(|e| e.to_string())
@@ -102,8 +114,14 @@ impl<'a> Measure<'a> {
             (Err(why), _) => Err(why.clone()),
             (_, Err(why)) => Err(format!("the reference: {why}")),
         };
+        let exact_there = measured.as_ref().ok().and_then(|measured| {
+            let there = calculated.iter().zip(&measured.points);
+            let there: Vec<_> = there.map(|(place, off)| off.and(*place)).collect();
+            displacement(&there, &wanted).ok()
+        });
+        let left_out = seen.as_ref().map_or(0, |lattice| lattice.left_out);
         let seen = seen.map_or_else(|_| vec![None; uv.len()], |lattice| lattice.points());
-        Shape { view, seen, belongs, measured, exact }
+        Shape { view, seen, belongs, measured, exact, exact_there, left_out }
     }
 }
 

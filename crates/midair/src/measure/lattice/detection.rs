@@ -1,22 +1,57 @@
 //! Finding the intersections of a lattice in a picture.
 
 use super::super::Plane;
-use super::graph::trace_lines;
-use super::joining::{Joined, join};
+use super::graph::{FAINTEST_RIDGE, WEAKEST_RIDGE, distance, trace_lines};
 use super::measurement::Measurement;
-use super::ordering::pieces;
+use super::ordering::{Piece, pieces};
 use super::ridge::RidgeField;
+use serde::Serialize;
+use std::borrow::Cow;
+
+/// How many lines a lattice has each way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+pub struct Count {
+    /// Lines that run down.
+    pub columns: usize,
+    /// Lines that run across.
+    pub rows: usize,
+}
+
+impl Count {
+    /// Intersections in all.
+    pub fn intersections(self) -> usize {
+        self.columns * self.rows
+    }
+
+    fn holds(self, piece: &Piece) -> bool {
+        piece.columns <= self.columns && piece.rows <= self.rows
+    }
+}
+
+impl From<usize> for Count {
+    fn from(lines: usize) -> Self {
+        Self { columns: lines, rows: lines }
+    }
+}
+
+impl std::fmt::Display for Count {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} x {}", self.columns, self.rows)
+    }
+}
 
 /// A lattice found in a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lattice {
     /// Lines in each direction.
-    pub lines: usize,
-    /// `lines * lines` intersections row by row from the top left, in pixels from the picture's
+    pub count: Count,
+    /// The intersections row by row from the top left, in pixels from the picture's
     /// top left corner (x right, y down); a missing one says why.
     pub intersections: Vec<Result<[f64; 2], Missing>>,
     /// The lines' full width at half height, pixels.
     pub line_width: f64,
+    /// Crossings seen beside it that no line joins to the rest: which ones they are cannot be told, and they are left out.
+    pub left_out: usize,
 }
 
 impl Lattice {
@@ -28,6 +63,19 @@ impl Lattice {
     /// How many intersections were found.
     pub fn found(&self) -> usize {
         self.intersections.iter().filter(|found| found.is_ok()).count()
+    }
+
+    /// The median distance from line to line, pixels; `None` where no two neighbours were found.
+    pub fn spacing(&self) -> Option<f64> {
+        let (points, columns) = (self.points(), self.count.columns);
+        let step = |at: usize, by: usize| Some(distance(points[at]?, (*points.get(at + by)?)?));
+        let right = |at: usize| if at % columns + 1 < columns { step(at, 1) } else { None };
+        let mut steps: Vec<f64> =
+            (0..points.len()).flat_map(|at| [right(at), step(at, columns)]).flatten().collect();
+        let middle = steps.len() / 2;
+        let steps =
+            (!steps.is_empty()).then(|| steps.select_nth_unstable_by(middle, f64::total_cmp));
+        steps.map(|(_, &mut median, _)| median)
     }
 }
 
@@ -49,23 +97,23 @@ pub enum Missing {
 }
 
 /// Why no lattice was found.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LatticeError {
     /// Fewer than two lines were asked for.
-    #[error("a lattice has at least 2 lines each way; {lines} were asked for")]
+    #[error("a lattice has at least 2 lines each way; {count} were asked for")]
     TooFewLines {
         /// Lines asked for.
-        lines: usize,
+        count: Count,
     },
     /// The picture is too small to hold it.
-    #[error("a picture of {width} x {height} pixels is too small for {lines} lines each way")]
+    #[error("a picture of {width} x {height} pixels is too small for {count} lines")]
     TooSmall {
         /// Picture width.
         width: usize,
         /// Picture height.
         height: usize,
         /// Lines asked for.
-        lines: usize,
+        count: Count,
     },
     /// A value is NaN or infinite.
     #[error("the picture holds a value that is not a number, at column {column}, row {row}")]
@@ -81,44 +129,49 @@ pub enum LatticeError {
          (for dark lines on a bright ground, invert the picture)"
     )]
     NoLattice,
+    /// Lines cross, but no crossing can be located.
+    #[error(
+        "{crossings} crossings of a lattice are seen, and none of them can be measured: lines are {line_width:.0} pixels wide, \
+         too wide for their distance, too faint or too ragged"
+    )]
+    NothingMeasured {
+        /// Crossings seen.
+        crossings: usize,
+        /// The lines' full width at half height, pixels.
+        line_width: f64,
+    },
     /// Fewer lines than asked for: which ones are missing cannot be told.
     #[error(
-        "only {columns} x {rows} joined lines of a {lines} x {lines} lattice are seen ({nodes} crossings\
-         {}): show all of it, in focus and evenly lit, or ask for another count of lines",
-        beside(*left_over)
+        "only {seen} joined lines of a {count} lattice are seen ({crossings} crossings{}): which ones they are cannot be told",
+        beside(*left_out)
     )]
     Partial {
-        /// Vertical lines seen.
-        columns: usize,
-        /// Horizontal lines seen.
-        rows: usize,
+        /// Lines seen, of the largest piece.
+        seen: Count,
         /// Lines asked for.
-        lines: usize,
-        /// Crossings seen.
-        nodes: usize,
-        /// Pieces seen beside it of which it cannot be told where they belong.
-        left_over: usize,
+        count: Count,
+        /// Crossings seen in it.
+        crossings: usize,
+        /// Crossings seen beside it that no line joins to it.
+        left_out: usize,
     },
     /// More lines than asked for: which ones do not belong cannot be told.
     #[error(
-        "{columns} x {rows} joined lines are seen where {lines} x {lines} were asked for: \
+        "{seen} joined lines are seen where {count} were asked for: \
          a doubled image, another pattern, or another count of lines"
     )]
     TooMany {
-        /// Vertical lines seen.
-        columns: usize,
-        /// Horizontal lines seen.
-        rows: usize,
+        /// Lines seen.
+        seen: Count,
         /// Lines asked for.
-        lines: usize,
+        count: Count,
     },
 }
 
-fn beside(left_over: usize) -> String {
-    match left_over {
+fn beside(left_out: usize) -> String {
+    match left_out {
         0 => String::new(),
-        1 => "; where another piece belongs cannot be told".to_owned(),
-        more => format!("; where {more} other pieces belong cannot be told"),
+        more => format!(", and {more} more that no line joins to them"),
     }
 }
 
@@ -126,90 +179,214 @@ fn beside(left_over: usize) -> String {
 /// full resolution.
 const SEARCH_SIZE: usize = 800;
 /// Scales of the search, in pixels of the searched picture, the likeliest first. Crossings are
-/// seen when sigma is between a third of the line's width and about twice it: 1 to 15 pixels in all.
-const SCALES: [f64; 4] = [2.0, 3.2, 1.2, 5.0];
+/// seen when sigma is between a third of the line's width and about twice it: 1 to 24 pixels in all.
+const SCALES: [f64; 5] = [2.0, 3.2, 1.2, 5.0, 8.0];
 
-/// Finds the `lines` x `lines` intersections of a lattice of bright lines.
+/// Finds the intersections of a lattice of so many bright lines.
 ///
 /// Ridges are traced from crossing to crossing, so the lattice may be turned by up to 45 degrees,
 /// seen in perspective, bent and unevenly lit; every crossing is then measured at full resolution
 /// from the centres of the two lines on all sides of it. Rows and columns are told from one
-/// another by which lines join, not by where they are; where an edge (of a glass cube, say) cuts the lattice into
-/// pieces, they are put together if that can be done in one way only. Values in linear light
+/// another by which lines join, not by where they are. Where an edge (of a glass cube, say) cuts the lattice, what no line joins to the
+/// rest is left out: behind an edge columns may be missing, seen twice or in another order, so that its place in the
+/// lattice would be a guess. [`detect_at`] names it by where it is expected. Values in linear light
 /// ([`Plane::luminance`]) are located best; a picture of dark lines is measured as
 /// [`Plane::inverted`].
 ///
 /// # Errors
-/// When no lattice is seen, or when more or fewer lines are seen than asked for, so that naming the
-/// crossings would be a guess.
-pub fn detect(picture: &Plane, lines: usize) -> Result<Lattice, LatticeError> {
-    check(picture, lines)?;
-    let mut searched = std::borrow::Cow::Borrowed(picture);
-    let mut scale = 1.0;
-    while searched.width.max(searched.height) > SEARCH_SIZE {
-        searched = std::borrow::Cow::Owned(halved(&searched));
-        scale *= 2.0;
-    }
-    let mut best: Option<((usize, usize, usize), Lattice)> = None;
-    let mut partial: Option<Joined> = None;
-    let mut crowded = None;
-    for sigma in SCALES {
-        let nodes = trace_lines(&RidgeField::new(&searched, sigma));
-        let pieces = pieces(&nodes);
-        if let Some(piece) = pieces.first()
-            && (piece.columns > lines || piece.rows > lines)
-        {
-            crowded = crowded.or(Some((piece.columns, piece.rows)));
-            continue;
+/// When no lattice is seen, when more or fewer joined lines are seen than asked for, so that naming the
+/// crossings would be a guess, or when none can be measured.
+pub fn detect(picture: &Plane, count: impl Into<Count>) -> Result<Lattice, LatticeError> {
+    let count = count.into();
+    match search(picture, count)? {
+        Search { whole: Some(lattice), .. } => some_found(lattice),
+        Search { crowded: Some(seen), .. } => Err(LatticeError::TooMany { seen, count }),
+        Search { part: Some(part), .. } => {
+            let Part { lattice, crossings } = part;
+            let Lattice { count: seen, left_out, .. } = lattice;
+            Err(LatticeError::Partial { seen, count, crossings, left_out })
         }
-        let Some(joined) = join(&nodes, pieces, lines) else { continue };
-        if (joined.columns, joined.rows) == (lines, lines) {
-            let measurement = Measurement { picture, nodes: &nodes, scale, sigma };
-            let lattice = measured(&measurement, &joined, lines);
-            let found = lattice.found();
-            // Names are without doubt in one piece; among searches that saw as much, the one that can be measured best.
-            let (largest, crossings) = joined.rank();
-            let rank = (largest, crossings, found);
-            if best.as_ref().is_none_or(|(other, _)| rank > *other) {
-                best = Some((rank, lattice));
-            }
-            if found == lines * lines {
-                break;
-            }
-        } else if partial.as_ref().is_none_or(|other| joined.rank() > other.rank()) {
-            partial = Some(joined);
-        }
+        _ => Err(LatticeError::NoLattice),
     }
-    if let Some((_, lattice)) = best {
-        return Ok(lattice);
-    }
-    if let Some((columns, rows)) = crowded {
-        return Err(LatticeError::TooMany { columns, rows, lines });
-    }
-    let joined = partial.ok_or(LatticeError::NoLattice)?;
-    let nodes = joined.crossings();
-    let Joined { columns, rows, left_over, .. } = joined;
-    Err(LatticeError::Partial { columns, rows, lines, nodes, left_over })
 }
 
-/// Each piece by itself: lines end where they are cut.
-fn measured(measurement: &Measurement, joined: &Joined, lines: usize) -> Lattice {
-    let mut parts = joined.pieces.iter().map(|piece| measurement.lattice(piece, lines));
-    let empty = || Lattice {
-        lines,
-        intersections: vec![Err(Missing::NotSeen); lines * lines],
-        line_width: 0.0,
+/// Finds the largest piece of a lattice of at most so many lines, of which not all need be seen: rows and columns are counted from the piece's own
+/// top left, whichever part of the lattice it is.
+///
+/// # Errors
+/// When no lattice is seen, or more lines than asked for, or when no crossing can be measured.
+pub fn detect_part(picture: &Plane, at_most: impl Into<Count>) -> Result<Lattice, LatticeError> {
+    let count = at_most.into();
+    match search(picture, count)? {
+        Search { whole: Some(lattice), .. } => some_found(lattice),
+        Search { crowded: Some(seen), .. } => Err(LatticeError::TooMany { seen, count }),
+        Search { part: Some(part), .. } => some_found(part.lattice),
+        _ => Err(LatticeError::NoLattice),
+    }
+}
+
+/// Finds the intersections of a lattice whose places are `expected`, row by row, to a fraction of a step: each is the crossing seen next to its place, if
+/// that is nearer than [`NAMED_WITHIN`] of the way to the next intersection. The lattice may be cut, folded over and seen
+/// the other way round; what is found lies where lines cross in the picture, not where it was expected.
+///
+/// # Errors
+/// When no crossing is seen at an expected place, or none of those can be measured.
+pub fn detect_at(
+    picture: &Plane,
+    count: impl Into<Count>,
+    expected: &[Option<[f64; 2]>],
+) -> Result<Lattice, LatticeError> {
+    let count = count.into();
+    check(picture, count)?;
+    assert_eq!(expected.len(), count.intersections(), "a place for each intersection");
+    let others = |at: usize| {
+        let here = expected[at]?;
+        let apart = expected.iter().enumerate().filter(|(other, _)| *other != at);
+        let nearest = apart.filter_map(|(_, there)| Some(distance(here, (*there)?)));
+        Some((here, NAMED_WITHIN * nearest.fold(f64::INFINITY, f64::min)))
     };
-    let mut lattice = parts.next().unwrap_or_else(empty);
-    for part in parts {
-        for (found, other) in lattice.intersections.iter_mut().zip(part.intersections) {
-            if matches!(found, Err(Missing::NotSeen)) {
-                *found = other;
+    let named: Vec<Option<([f64; 2], f64)>> = (0..expected.len()).map(others).collect();
+    let (searched, scale) = reduced(picture);
+    let mut best: Option<(usize, usize, Lattice)> = None;
+    for sigma in SCALES {
+        let nodes = trace_lines(&RidgeField::new(&searched, sigma), WEAKEST_RIDGE);
+        let measurement = Measurement { picture, nodes: &nodes, scale, sigma };
+        let mut found = vec![(f64::INFINITY, Err(Missing::NotSeen)); expected.len()];
+        let (mut seen, mut width) = (0, None);
+        for piece in pieces(&nodes) {
+            let own = Count { columns: piece.columns, rows: piece.rows };
+            let lattice = measurement.lattice(&piece, own);
+            width = width.or(Some(lattice.line_width));
+            for (cell, placed) in &piece.cells {
+                let measured = lattice.intersections[cell.1 * own.columns + cell.0];
+                let place = measured.unwrap_or(nodes[placed.node].place.map(|x| scale * x));
+                let off = |at: &usize| {
+                    let (there, within) = named[*at]?;
+                    Some(distance(place, there)).filter(|off| *off <= within)
+                };
+                let nearest = (0..named.len()).filter_map(|at| Some((off(&at)?, at)));
+                let Some((off, at)) = nearest.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
+                seen += 1;
+                // One that is measured is better than one that is only seen.
+                let rank = |(off, found): &(f64, Result<_, _>)| (found.is_err(), *off);
+                if rank(&(off, measured)) < rank(&found[at]) {
+                    found[at] = (off, measured);
+                }
             }
         }
+        let lattice = Lattice {
+            count,
+            intersections: found.into_iter().map(|(_, found)| found).collect(),
+            line_width: width.unwrap_or_default(),
+            left_out: nodes.len().saturating_sub(seen),
+        };
+        let measured = lattice.found();
+        if best.as_ref().is_none_or(|(most, ..)| measured > *most) {
+            best = Some((measured, seen, lattice));
+        }
+        if measured == expected.iter().flatten().count() {
+            break;
+        }
     }
-    drop_strangers(&mut lattice);
-    lattice
+    match best {
+        Some((_, seen, lattice)) if seen > 0 => some_found(lattice),
+        _ => Err(LatticeError::NoLattice),
+    }
+}
+
+/// A crossing has the name of an expected place if it is nearer than this share of the way from there to the next expected one.
+pub const NAMED_WITHIN: f64 = 0.35;
+
+/// At a scale of more than so many widths of a line nothing is found that is not found at a smaller one as well.
+const BLURRED: f64 = 2.5;
+
+/// What a search saw.
+#[derive(Default)]
+struct Search {
+    /// A lattice with all its lines.
+    whole: Option<Lattice>,
+    /// The largest piece of one with fewer.
+    part: Option<Part>,
+    /// Lines of one with more.
+    crowded: Option<Count>,
+}
+
+/// A piece of a lattice, by its own count.
+struct Part {
+    lattice: Lattice,
+    crossings: usize,
+}
+
+/// Looks at all scales, for faint lines only where strong ones do not make a lattice.
+fn search(picture: &Plane, count: Count) -> Result<Search, LatticeError> {
+    check(picture, count)?;
+    let (searched, scale) = reduced(picture);
+    let mut all = Search::default();
+    // What makes one search better than another: the crossings that can be measured; of parts those that lines join.
+    let (mut best, mut largest) = (0, 0);
+    for share in [WEAKEST_RIDGE, FAINTEST_RIDGE] {
+        for sigma in SCALES {
+            let nodes = trace_lines(&RidgeField::new(&searched, sigma), share);
+            let pieces = pieces(&nodes);
+            let Some((piece, rest)) = pieces.split_first() else { continue };
+            let seen = Count { columns: piece.columns, rows: piece.rows };
+            if !count.holds(piece) {
+                all.crowded = all.crowded.or(Some(seen));
+                continue;
+            }
+            let crossings = piece.cells.len();
+            let measurement = Measurement { picture, nodes: &nodes, scale, sigma };
+            let measured = |count: Count| {
+                let mut lattice = measurement.lattice(piece, count);
+                lattice.left_out = rest.iter().map(|piece| piece.cells.len()).sum();
+                drop_strangers(&mut lattice);
+                lattice
+            };
+            if seen == count {
+                let lattice = measured(count);
+                // So much blur joins what a cut has torn apart.
+                if sigma * scale > BLURRED * lattice.line_width {
+                    continue;
+                }
+                if all.whole.is_none() || lattice.found() > best {
+                    best = lattice.found();
+                    all.whole = Some(lattice);
+                }
+                if best == count.intersections() {
+                    return Ok(all);
+                }
+            } else if all.whole.is_none() && crossings > largest {
+                largest = crossings;
+                all.part = Some(Part { lattice: measured(seen), crossings });
+            }
+        }
+        // A second look among the ground's ridges is for light that falls off: most of the lattice was measured without it.
+        if 10 * best >= 9 * count.intersections() {
+            break;
+        }
+    }
+    Ok(all)
+}
+
+/// A lattice of which something was found.
+fn some_found(lattice: Lattice) -> Result<Lattice, LatticeError> {
+    if lattice.found() > 0 {
+        return Ok(lattice);
+    }
+    let seen = |found: &&Result<_, Missing>| !matches!(found, Err(Missing::NotSeen));
+    let crossings = lattice.intersections.iter().filter(seen).count();
+    Err(LatticeError::NothingMeasured { crossings, line_width: lattice.line_width })
+}
+
+/// The picture as it is searched, and how many of its pixels are one there.
+fn reduced(picture: &Plane) -> (Cow<'_, Plane>, f64) {
+    let mut searched = Cow::Borrowed(picture);
+    let mut scale = 1.0;
+    while searched.width.max(searched.height) > SEARCH_SIZE {
+        searched = Cow::Owned(halved(&searched));
+        scale *= 2.0;
+    }
+    (searched, scale)
 }
 
 /// Crossings further than this share of a step from where all of their neighbours would have them are misnamed: a cut displaces
@@ -218,18 +395,18 @@ const STRANGE: f64 = 0.6;
 
 /// Takes out crossings that no two neighbours in a row confirm; two lines have no such neighbours.
 fn drop_strangers(lattice: &mut Lattice) {
-    let lines = lattice.lines as isize;
-    if lines < 3 {
+    let [columns, rows] = [lattice.count.columns, lattice.count.rows].map(|lines| lines as isize);
+    if columns.max(rows) < 3 {
         return;
     }
     let points = lattice.points();
     let at = |column: isize, row: isize| {
-        let inside = (0..lines).contains(&column) && (0..lines).contains(&row);
-        if inside { points[(row * lines + column) as usize] } else { None }
+        let inside = (0..columns).contains(&column) && (0..rows).contains(&row);
+        if inside { points[(row * columns + column) as usize] } else { None }
     };
     for (index, found) in lattice.intersections.iter_mut().enumerate() {
         let Ok([x, y]) = *found else { continue };
-        let (column, row) = (index as isize % lines, index as isize / lines);
+        let (column, row) = (index as isize % columns, index as isize / columns);
         let confirms = |(dc, dr): (isize, isize)| {
             let (near, far) = (at(column + dc, row + dr)?, at(column + 2 * dc, row + 2 * dr)?);
             let [sx, sy] = [near[0] - far[0], near[1] - far[1]];
@@ -244,14 +421,17 @@ fn drop_strangers(lattice: &mut Lattice) {
     }
 }
 
-fn check(picture: &Plane, lines: usize) -> Result<(), LatticeError> {
-    if lines < 2 {
-        return Err(LatticeError::TooFewLines { lines });
+fn check(picture: &Plane, count: Count) -> Result<(), LatticeError> {
+    if count.columns.min(count.rows) < 2 {
+        return Err(LatticeError::TooFewLines { count });
     }
     let (width, height) = (picture.width, picture.height);
     // A line, its neighbour and a gap on either side need some eight pixels.
-    if width.min(height) < 8 * lines || picture.values.len() != width * height {
-        return Err(LatticeError::TooSmall { width, height, lines });
+    if width < 8 * count.columns
+        || height < 8 * count.rows
+        || picture.values.len() != width * height
+    {
+        return Err(LatticeError::TooSmall { width, height, count });
     }
     match picture.values.iter().position(|value| !value.is_finite()) {
         Some(at) => Err(LatticeError::NotFinite { column: at % width, row: at / width }),
@@ -280,8 +460,12 @@ mod tests {
             [40.0 * column + row * row, 40.0 * row - 2.0 * column * column]
         };
         let mut intersections: Vec<_> = (0..16).map(|i| Ok(place(i))).collect();
-        let mut lattice =
-            Lattice { lines: 4, intersections: intersections.clone(), line_width: 3.0 };
+        let mut lattice = Lattice {
+            count: 4.into(),
+            intersections: intersections.clone(),
+            line_width: 3.0,
+            left_out: 0,
+        };
         drop_strangers(&mut lattice);
         assert_eq!(lattice.intersections, intersections);
         // Named as the one a column further to the right.

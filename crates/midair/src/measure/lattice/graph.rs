@@ -21,9 +21,11 @@ pub(super) struct Arm {
     pub link: Option<(usize, usize)>,
 }
 
-/// Ridges weaker than this share of the strong ones are ground; noise of 2 % reaches 1 % of a
+/// Ridges weaker than this share of the strong ones are ground, at first: noise of 2 % reaches 1 % of a
 /// line's strength, light that falls to a fifth across the picture still passes.
-const WEAKEST_RIDGE: f64 = 0.12;
+pub(super) const WEAKEST_RIDGE: f64 = 0.12;
+/// The same for a second look, where light falls to a twentieth: what is ground may pass then.
+pub(super) const FAINTEST_RIDGE: f64 = 0.04;
 /// Half of the picture is ground: ridges there have the strength of noise, and are rarely stronger
 /// than this many times their median.
 const NOISE_RIDGE: f64 = 3.0;
@@ -34,9 +36,9 @@ const WEAKEST_CROSSING: f32 = 0.08;
 /// Distance, in sigmas, at which a crossing has resolved into separate arms.
 const ARMS_AT: f64 = 4.0;
 
-/// Nodes and links found at one scale; empty when the picture has no contrast.
-pub(super) fn trace_lines(field: &RidgeField) -> Vec<Node> {
-    let Some(weakest) = weakest_ridge(field) else { return Vec::new() };
+/// Nodes and links found at one scale, on ridges down to a share of the strong ones; empty when the picture has no contrast.
+pub(super) fn trace_lines(field: &RidgeField, share: f64) -> Vec<Node> {
+    let Some(weakest) = weakest_ridge(field, share) else { return Vec::new() };
     let mut nodes = candidates(field, weakest);
     for node in &mut nodes {
         node.arms = arms(field, node.place, weakest);
@@ -72,7 +74,7 @@ fn is_meeting(node: &Node) -> bool {
 }
 
 /// The strength below which a ridge is taken for ground.
-fn weakest_ridge(field: &RidgeField) -> Option<f64> {
+fn weakest_ridge(field: &RidgeField, share: f64) -> Option<f64> {
     let mut strengths: Vec<f32> = field.strength.iter().step_by(3).copied().collect();
     if strengths.is_empty() {
         return None;
@@ -85,7 +87,7 @@ fn weakest_ridge(field: &RidgeField) -> Option<f64> {
     let (strong, typical) = (f64::from(strong), f64::from(typical));
     // A line one grey level of 255 above its ground has about half that strength.
     (strong > 0.002 && strong > 3.0 * typical)
-        .then_some((WEAKEST_RIDGE * strong).max(NOISE_RIDGE * typical))
+        .then_some((share * strong).max(NOISE_RIDGE * typical))
 }
 
 /// Local maxima of the crossing measure on ridges, no two closer than two sigmas.

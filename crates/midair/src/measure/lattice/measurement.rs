@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::super::Plane;
 use super::curve::Curve;
-use super::detection::{Lattice, Missing};
+use super::detection::{Count, Lattice, Missing};
 use super::graph::{Node, distance};
 use super::ordering::{Piece, Placed};
 use super::refinement;
@@ -25,6 +25,10 @@ const MOST_ERROR: f64 = 0.15;
 /// Of a crossing with a line that is seen on one side only. Curves extrapolate there, and neighbouring centres share pixels, so that it is off by
 /// up to four times its standard error (see the tests of cut lattices): an eighth of a pixel.
 const MOST_ERROR_ONE_SIDED: f64 = 0.03;
+
+/// The same as shares of the line's width, where that is more.
+const MOST_SHARE: f64 = 0.015;
+const MOST_SHARE_ONE_SIDED: f64 = 0.005;
 
 /// The slots of an ordered node's arms ([`Placed::arms`]).
 const RIGHT: usize = 0;
@@ -53,33 +57,35 @@ fn clear_of(width: f64) -> f64 {
 type Segment<'a> = &'a [[f64; 2]];
 
 impl Measurement<'_> {
-    /// The lattice of a piece that spans `lines` by `lines` cells.
-    pub fn lattice(&self, piece: &Piece, lines: usize) -> Lattice {
+    /// The lattice of a piece that spans `count` cells at most.
+    pub fn lattice(&self, piece: &Piece, count: Count) -> Lattice {
+        let Count { columns, rows } = count;
         let cell = |column: usize, row: usize| piece.cells.get(&(column, row));
         let all: Vec<&Placed> = piece.cells.values().collect();
         let width = self.line_width(&all);
         let line = |(index, slot): (usize, usize)| -> Vec<Vec<[f64; 2]>> {
             let along = |at: usize| if slot == RIGHT { cell(at, index) } else { cell(index, at) };
-            (0..=lines).map(|at| self.segment(at, slot, lines, width, &along)).collect()
+            let crossed = if slot == RIGHT { columns } else { rows };
+            (0..=crossed).map(|at| self.segment(at, slot, crossed, width, &along)).collect()
         };
-        let named = |at: usize| if at < lines { (at, RIGHT) } else { (at - lines, DOWN) };
-        let centres: Vec<_> = (0..2 * lines).into_par_iter().map(named).map(line).collect();
+        let named = |at: usize| if at < rows { (at, RIGHT) } else { (at - rows, DOWN) };
+        let centres: Vec<_> = (0..rows + columns).into_par_iter().map(named).map(line).collect();
         let usually = usual_deviation(centres.iter().flatten().map(Vec::as_slice));
         // A window across the line reaches over a cut that crosses it at 45 degrees from as far away.
         let stretch = |centres: Vec<[f64; 2]>| Stretch::new(centres, clear_of(width), usually);
         let shared = |line: Vec<_>| -> Line { line.into_iter().map(stretch).collect() };
-        let mut rows: Vec<Line> = centres.into_par_iter().map(shared).collect();
-        let columns = rows.split_off(lines);
+        let mut across: Vec<Line> = centres.into_par_iter().map(shared).collect();
+        let down = across.split_off(rows);
         let scale = Lines { width, usually };
-        let intersections = (0..lines * lines)
+        let intersections = (0..columns * rows)
             .into_par_iter()
             .map(|at| {
-                let (column, row) = (at % lines, at / lines);
+                let (column, row) = (at % columns, at / columns);
                 let placed = cell(column, row).ok_or(Missing::NotSeen)?;
-                self.intersection(placed, (&rows[row], column), (&columns[column], row), scale)
+                self.intersection(placed, (&across[row], column), (&down[column], row), scale)
             })
             .collect();
-        Lattice { lines, intersections, line_width: width }
+        Lattice { count, intersections, line_width: width, left_out: 0 }
     }
 
     /// The typical line's width: the median over crossings.
@@ -213,8 +219,11 @@ impl Measurement<'_> {
         if row.residual.max(column.residual) > 0.25 * width + 0.25 {
             return Err(Missing::Broken);
         }
-        let most =
-            if row.both_sides && column.both_sides { MOST_ERROR } else { MOST_ERROR_ONE_SIDED };
+        // A thick line's centre is known to a smaller share of its width, not to the same share of a pixel.
+        let most = match row.both_sides && column.both_sides {
+            true => MOST_ERROR.max(MOST_SHARE * width),
+            false => MOST_ERROR_ONE_SIDED.max(MOST_SHARE_ONE_SIDED * width),
+        };
         if row.error.hypot(column.error) > most {
             return Err(Missing::LineTooShort);
         }

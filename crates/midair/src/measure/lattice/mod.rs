@@ -9,7 +9,6 @@ mod detection;
 mod displacement;
 mod drawing;
 mod graph;
-mod joining;
 mod measurement;
 mod ordering;
 mod refinement;
@@ -18,6 +17,6 @@ mod stretch;
 #[cfg(test)]
 mod tests;
 
-pub use detection::{Lattice, LatticeError, Missing, detect};
+pub use detection::{Count, Lattice, LatticeError, Missing, detect, detect_at, detect_part};
 pub use displacement::{Alignment, Displacement, DisplacementError, aligned, displacement};
 pub use drawing::{LatticeStyle, LatticeStyleError, draw_lattice};

@@ -21,7 +21,7 @@ pub fn viewing_direction([azimuth, elevation]: [f64; 2]) -> Vec3 {
 }
 
 /// Luminance over a grid of viewing directions, as measured on the bench: bilinear between its
-/// points, no value outside them.
+/// points; up to [`BEYOND`] degrees outside the outermost ones as there, further out no value.
 ///
 /// Read from CSV with a header line naming `azimuth`, `elevation` (degrees) and `value` (any
 /// unit), one line per grid point in any order, and every pair of an azimuth and an elevation once:
@@ -94,7 +94,7 @@ impl LuminanceTable {
         Ok(Self { azimuth, elevation, value })
     }
 
-    /// The luminance in a direction in degrees, in the file's unit; `None` outside the grid.
+    /// The luminance in a direction in degrees, in the file's unit; `None` more than [`BEYOND`] degrees outside the grid.
     pub fn value(&self, [azimuth, elevation]: [f64; 2]) -> Option<f64> {
         let (i, s) = place(&self.azimuth, azimuth)?;
         let (j, t) = place(&self.elevation, elevation)?;
@@ -125,6 +125,10 @@ impl LuminanceTable {
     }
 }
 
+/// How far the outermost values hold, degrees. A table tells from where the image was looked at; its points are then seen in directions on either side of
+/// its centre's, up to ten degrees apart in all, and half of it must not be dark because the eye stands at the last angle.
+pub const BEYOND: f64 = 5.0;
+
 const COLUMNS: [Column; 3] = [
     Column { name: "azimuth", range: [-180.0, 180.0], allowed: "degrees from -180 to 180" },
     Column { name: "elevation", range: [-90.0, 90.0], allowed: "degrees from -90 to 90" },
@@ -135,12 +139,13 @@ fn source(file: &Path) -> Source<'_> {
     Source { what: "luminance table", file }
 }
 
-/// The interval of a sorted axis that `x` lies in, and how far into it (0 to 1).
+/// The interval of a sorted axis that `x` lies in, and how far into it (0 to 1); beside the axis its end.
 fn place(axis: &[f64], x: f64) -> Option<(usize, f64)> {
     let (first, last) = (axis[0], axis[axis.len() - 1]);
-    if !(first..=last).contains(&x) {
+    if !(first - BEYOND..=last + BEYOND).contains(&x) {
         return None;
     }
+    let x = x.clamp(first, last);
     let i = (axis.partition_point(|&a| a <= x) - 1).min(axis.len() - 2);
     Some((i, (x - axis[i]) / (axis[i + 1] - axis[i])))
 }
@@ -195,10 +200,17 @@ mod tests {
     }
 
     #[test]
-    fn outside_the_grid_there_is_no_value() {
+    fn beside_the_grid_its_edge_holds_and_far_outside_there_is_no_value() {
         let table = parse(&grid()).unwrap();
-        for outside in [[-30.1, 0.0], [30.1, 0.0], [0.0, 60.1], [0.0, -10.1], [f64::NAN, 0.0]] {
+        for outside in [[-35.1, 0.0], [35.1, 0.0], [0.0, 65.1], [0.0, -15.1], [f64::NAN, 0.0]] {
             assert_eq!(table.value(outside), None);
+        }
+        for (beside, edge) in [
+            ([-34.9, 5.0], [-30.0, 5.0]),
+            ([7.0, 64.0], [7.0, 60.0]),
+            ([33.0, -12.0], [30.0, -10.0]),
+        ] {
+            assert_eq!(table.value(beside), table.value(edge));
         }
         assert_eq!(table.value([30.0, 60.0]), Some(bilinear(30.0, 60.0)));
         let most = bilinear(30.0, 60.0);

@@ -6,7 +6,7 @@ use crate::geometry::{Frame, Vec3};
 /// A plate model with a measured luminance of its mid-air image.
 ///
 /// The table says how luminance goes with the direction in which light leaves the plate, as azimuth and
-/// elevation in the image's frame; outside of its grid the image is dark. Its unit is unknown, so its brightest direction is
+/// elevation in the image's frame; far outside of its grid ([`LuminanceTable::value`]) the image is dark. Its unit is unknown, so its brightest direction is
 /// taken to be as bright as the model says there. Where light goes, and stray light, stay the model's.
 #[derive(Clone, Debug)]
 pub struct Measured {

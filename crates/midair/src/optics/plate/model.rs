@@ -2,7 +2,8 @@
 
 use super::{Class, LayerPlanes, LuminanceTable, Measured, SlitMirrorPlate, pass_ideal};
 use crate::geometry::{Frame, Ray, Rectangle, Vec3};
-use crate::optics::interface::attenuate;
+use crate::optics::interface::{attenuate, fresnel, reflect, refract};
+use crate::optics::polarisation::Analysed;
 
 /// A plate in its place.
 #[derive(Clone, Debug)]
@@ -48,6 +49,11 @@ impl Plate {
         self.model.pass(&self.rectangle.frame, ray, crossing)
     }
 
+    /// See [`Model::faces`]; a direction in the world.
+    pub fn faces(&self, direction: Vec3) -> f64 {
+        self.model.faces(self.rectangle.frame.to_local_direction(direction))
+    }
+
     /// See [`Model::real_share`].
     pub fn real_share(&self, direction: Vec3) -> [f64; 3] {
         self.model.real_share(direction)
@@ -83,6 +89,45 @@ impl Model {
             Self::SlitMirror(plate) => plate.efficiency(direction),
             Self::Measured(measured) => measured.efficiency(direction),
         }
+    }
+
+    /// What the faces of the plate pass of unpolarised light that travels along a unit vector in its frame, both together.
+    pub fn faces(&self, direction: Vec3) -> f64 {
+        match self {
+            Self::Ideal => 1.0,
+            Self::SlitMirror(plate) => {
+                fresnel(direction.z.abs(), 1.0 / plate.parameters().ior).transmittance().powi(2)
+            }
+            Self::Measured(measured) => measured.model().faces(direction),
+        }
+    }
+
+    /// Polarised light through a plate at `frame`, from one unit direction to another (world): in by one face, turned by the mirrors of the layers
+    /// in which its direction was, out by the other. Only what the faces take is taken; see [`Self::faces`].
+    pub fn turn(&self, field: &mut Analysed, frame: &Frame, before: Vec3, behind: Vec3) {
+        let plate = match self {
+            Self::Ideal => return field.pass_ideal(frame.normal()),
+            Self::SlitMirror(plate) => plate,
+            Self::Measured(measured) => return measured.model().turn(field, frame, before, behind),
+        };
+        let n = if before.dot(frame.normal()) < 0.0 { frame.normal() } else { -frame.normal() };
+        let eta = 1.0 / plate.parameters().ior;
+        let mut inside = refract(before, n, eta);
+        field.refract(before, n, eta, inside);
+        let across = |d: Vec3| {
+            let local = frame.to_local_direction(d);
+            plate.across([local.x, local.y])
+        };
+        let (came, left) = (across(before), across(behind));
+        for (layer, unit) in [[1.0, 0.0], [0.0, 1.0]].into_iter().enumerate() {
+            if came[layer] * left[layer] < 0.0 {
+                let [x, y] = plate.across_inverse(unit);
+                let mirror = frame.axes[0] * x + frame.axes[1] * y;
+                field.mirror(mirror);
+                inside = reflect(inside, mirror);
+            }
+        }
+        field.refract(inside, n, 1.0 / eta, behind);
     }
 
     /// Through a plate at `frame`: how, the ray behind it, and the share of light left. `None`: it is lost.

@@ -57,6 +57,12 @@ impl ViewSamples {
         Self { size, each, st }
     }
 
+    /// The same rays, their ends told in other coordinates.
+    pub fn map(mut self, to: impl Fn([f64; 2]) -> [f64; 2]) -> Self {
+        self.st.iter_mut().for_each(|st| *st = to(*st));
+        self
+    }
+
     /// Where the rays end: st of each, in the order of [`ViewRays::ends`]; NaN where a ray ends dark.
     pub fn st(&self) -> &[[f64; 2]] {
         &self.st

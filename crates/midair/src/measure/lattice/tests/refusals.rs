@@ -7,9 +7,9 @@ fn what_is_no_whole_lattice_is_an_error_that_says_why() {
     let seen = Plane::luma(&draw_lattice(500, 500, &LatticeStyle::default()).unwrap());
     let half = Plane::from_fn(300, 500, |x, y| seen.at(x, y));
     let error = detect(&half, 7).unwrap_err();
-    assert!(matches!(error, LatticeError::Partial { rows: 7, lines: 7, .. }), "{error}");
+    assert!(matches!(error, LatticeError::Partial { seen: Count { rows: 7, .. }, .. }), "{error}");
     let error = detect(&seen, 5).unwrap_err();
-    assert_eq!(error, LatticeError::TooMany { columns: 7, rows: 7, lines: 5 });
+    assert_eq!(error, LatticeError::TooMany { seen: 7.into(), count: 5.into() });
     assert_eq!(detect(&Plane::filled(200, 200, 0.4), 7), Err(LatticeError::NoLattice));
     let mut uniform = noise(7);
     let grain = Plane {
@@ -22,6 +22,9 @@ fn what_is_no_whole_lattice_is_an_error_that_says_why() {
     let mut holed = seen.clone();
     holed.values[3] = f32::INFINITY;
     assert_eq!(detect(&holed, 7), Err(LatticeError::NotFinite { column: 3, row: 0 }));
+    // So much of it as is seen, by its own count.
+    let part = detect_part(&half, 7).unwrap();
+    assert_eq!((part.count.rows, part.found()), (7, part.count.intersections()));
     // Dark lines on white are found once inverted.
     let dark = seen.inverted();
     assert!(detect(&dark, 7).is_err());

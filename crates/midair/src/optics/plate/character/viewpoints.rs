@@ -238,11 +238,19 @@ pub(super) mod tests {
             let angles = viewing_angles(bench.image.frame.to_local_direction(world));
             table.relative(angles).unwrap_or(0.0)
         };
-        let map = over_viewpoints(&bench, 450.0, &[-4.0, 8.0, 12.0], &[-1.0, 3.0], 1, efficiency);
-        // 5 + 0.1 azimuth + 0.4 elevation over the table's largest value; nothing outside it.
+        let map = over_viewpoints(&bench, 450.0, &[-4.0, 8.0, 16.0], &[-1.0, 3.0], 1, efficiency);
+        // 5 + 0.1 azimuth + 0.4 elevation over the table's largest value; nothing far outside it.
         for (got, value) in map.luminance.iter().zip([4.2, 5.4, 0.0, 5.8, 7.0, 0.0]) {
             assert!((got - value / 8.0).abs() < 1e-12, "{:?}", map.luminance);
         }
+        // From the table's last angle half of the image is seen further outside: it is as bright as at the end of the table.
+        let last = over_viewpoints(&bench, 450.0, &[10.0], &[0.0], 4, efficiency).luminance[0];
+        let middle = over_viewpoints(&bench, 450.0, &[10.0], &[0.0], 1, efficiency).luminance[0];
+        // An image of 30 mm at 450 is two degrees wide to either side, of 0.1 / 8 a degree; and elevations are even about 0.
+        assert!(
+            (middle - 6.0 / 8.0).abs() < 1e-12 && (last - middle).abs() < 0.02,
+            "{last} {middle}"
+        );
     }
 
     #[test]
