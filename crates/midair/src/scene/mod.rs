@@ -7,6 +7,7 @@
 //! [`validate`] before it is used.
 
 mod conform;
+pub mod devices;
 mod edit;
 mod error;
 mod grammar;
@@ -18,6 +19,7 @@ mod read;
 mod save;
 mod schema;
 mod sense;
+pub mod template;
 #[cfg(test)]
 mod tests;
 mod tree;
