@@ -81,7 +81,13 @@ pub fn run() -> Result<()> {
     plate(out.path(), &pictures)?;
     let mut check = midair();
     check.args(["check", "scenes/paper/cube.toml", "--out"]).arg(pictures.join("check.png"));
-    process::run(&mut check)
+    process::run(&mut check)?;
+    let bench = out.path().join("bench.toml");
+    let mut new = midair();
+    process::run(new.args(["new", "cube", "--name", "A cube over a tablet", "--out"]).arg(&bench))?;
+    let mut draw = midair();
+    draw.arg("draw").arg(&bench).arg("--out").arg(pictures.join("drawing.svg"));
+    process::run(draw.arg("--picture").arg(pictures.join("set-up.svg")))
 }
 
 /// The pictures of the page on the plate, by the commands that it shows.

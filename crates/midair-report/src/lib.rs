@@ -6,6 +6,5 @@
 pub mod drawing;
 pub mod page;
 pub mod paper;
-mod words;
 
-pub use words::percent;
+pub use midair::evaluate::percent;

@@ -5,16 +5,20 @@ pub mod check;
 pub mod compensate;
 mod completions;
 mod demo;
+mod draw;
 mod evaluate;
 mod eyebox;
 mod man;
 mod map;
 mod measure;
+mod new;
 mod orbit;
+mod pattern;
 mod plate;
 mod play;
 mod report;
 mod schema;
+mod tolerance;
 mod view;
 mod weights;
 
@@ -30,7 +34,7 @@ use std::process::ExitCode;
 #[derive(Debug, Parser)]
 #[command(name = "midair", version, arg_required_else_help = true, max_term_width = 100)]
 #[command(
-    after_help = "Start with:\n  midair demo\n\nExit codes: 0 done; 2 not done, and a message says why; 130 interrupted."
+    after_help = "Start with:\n  midair demo\n  midair new\n\nExit codes: 0 done; 2 not done, and a message says why; 130 interrupted."
 )]
 pub struct Program {
     #[command(subcommand)]
@@ -46,12 +50,16 @@ pub struct Program {
 #[derive(Debug, Subcommand)]
 enum Command {
     Demo(demo::Arguments),
+    New(new::Arguments),
     Compensate(compensate::Arguments),
     Apply(apply::Arguments),
     Play(play::Arguments),
     View(view::Arguments),
     Check(check::Arguments),
+    Draw(draw::Arguments),
+    Pattern(pattern::Arguments),
     Plate(plate::Arguments),
+    Tolerance(tolerance::Arguments),
     Report(report::Arguments),
     Orbit(orbit::Arguments),
     Eyebox(eyebox::Arguments),
@@ -71,11 +79,15 @@ pub fn run(program: Program) -> Result<ExitCode, Failure> {
         // The one that can be interrupted and still has something to show.
         Command::View(arguments) => return view::run(&arguments, voice),
         Command::Demo(arguments) => demo::run(&arguments, voice),
+        Command::New(arguments) => new::run(&arguments, voice),
         Command::Compensate(arguments) => compensate::run(&arguments, voice),
         Command::Apply(arguments) => apply::run(&arguments, voice),
         Command::Play(arguments) => play::run(&arguments, voice),
         Command::Check(arguments) => check::run(&arguments, voice),
+        Command::Draw(arguments) => draw::run(&arguments, voice),
+        Command::Pattern(arguments) => pattern::run(&arguments, voice),
         Command::Plate(arguments) => plate::run(&arguments, voice),
+        Command::Tolerance(arguments) => tolerance::run(&arguments, voice),
         Command::Report(arguments) => report::run(&arguments, voice),
         Command::Orbit(arguments) => orbit::run(&arguments, voice),
         Command::Eyebox(arguments) => eyebox::run(&arguments, voice),

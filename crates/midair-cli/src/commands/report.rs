@@ -89,7 +89,7 @@ pub fn write_proof(
     };
     let report = facts.json();
     let page = facts.page()?;
-    write_pictures(&mut output, still, &proof)?;
+    write_pictures(&mut output, still, &proof, setup.pixel_pitch())?;
     colour.write(&mut output)?;
     let source = setup.view_size(still.picture.width);
     let more = write_maps(&mut output, &proof.map, None, "map", source, &[Format::Exr])?;
@@ -109,8 +109,13 @@ pub fn write_proof(
     voice.tell(&format!("{}see {page}\n", facts.lines()), &told)
 }
 
-fn write_pictures(output: &mut Output, still: &Still, proof: &Proof) -> Result<(), Failure> {
-    write_display(output, still, &proof.compensated.display)?;
+fn write_pictures(
+    output: &mut Output,
+    still: &Still,
+    proof: &Proof,
+    pitch: [f64; 2],
+) -> Result<(), Failure> {
+    write_display(output, still, &proof.compensated.display, pitch)?;
     let depth = if still.depth == Depth::Eight { Depth::Eight } else { Depth::Sixteen };
     let mut picture = |name: &str, picture: &Picture| -> Result<(), Failure> {
         Ok(output.write(name, |path| write_still(path, picture, depth))?)

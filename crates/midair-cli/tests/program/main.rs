@@ -13,6 +13,7 @@ mod measure;
 mod plate;
 mod play;
 mod proof;
+mod set_ups;
 mod view;
 mod viewpoints;
 

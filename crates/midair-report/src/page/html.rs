@@ -10,7 +10,7 @@ use super::model::{Block, Cell, Figure, Image, Page, Table};
 pub(super) const STYLE: &str = include_str!("style.css");
 
 /// Text as the content of an element or of a quoted attribute.
-pub(super) fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for character in text.chars() {
         match character {

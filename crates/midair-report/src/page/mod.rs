@@ -12,5 +12,6 @@ mod tests;
 mod vectors;
 
 pub use chart::{LineChart, Series};
+pub(crate) use html::escaped;
 pub use model::{Block, Cell, Figure, FigureError, Image, Page, Section, SummaryRow, Table};
 pub use vectors::VectorChart;

@@ -19,7 +19,13 @@
 
 pub mod colour;
 pub mod eyebox;
+pub mod layout;
 pub mod orbit;
 #[cfg(feature = "lpips")]
 pub mod paper;
+pub mod preflight;
 pub mod proof;
+pub mod tolerance;
+mod words;
+
+pub use words::percent;

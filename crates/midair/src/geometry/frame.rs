@@ -33,6 +33,20 @@ impl Frame {
         }
     }
 
+    /// The angles in degrees that [`new`](Self::new) makes these axes of: Rx*Ry*Rz, with no turn about z where y is a right angle and only the
+    /// sum of the others counts.
+    pub fn rotation(&self) -> [f64; 3] {
+        let [x, y, z] = self.axes;
+        // The matrix's columns are the axes; Rx*Ry*Rz has sin(y) at row 0, column 2.
+        let about_y = z.x.clamp(-1.0, 1.0).asin();
+        let (about_x, about_z) = if z.x.abs() < 1.0 - 1e-12 {
+            ((-z.y).atan2(z.z), (-y.x).atan2(x.x))
+        } else {
+            (y.z.atan2(y.y), 0.0)
+        };
+        [about_x, about_y, about_z].map(f64::to_degrees)
+    }
+
     /// The frame's z axis: the normal of a plane or rectangle.
     #[inline]
     pub fn normal(&self) -> Vec3 {
@@ -103,6 +117,17 @@ mod tests {
             // Three products of unit-size numbers: a few ulp of 2.
             prop_assert!((all.to_world(v) - composed).length() < 1e-14);
             prop_assert!((all.to_local(all.to_world(v)) - v).length() < 1e-14);
+        }
+
+        #[test]
+        fn the_angles_of_a_frame_make_it_again(rx in -360.0..360.0, ry in -5i32..=5, rz in -360.0..360.0) {
+            // Right angles about y among them, where the other two turns are one.
+            let frame = Frame::new(Vec3::ZERO, [rx, 45.0 * f64::from(ry), rz]);
+            let again = Frame::new(Vec3::ZERO, frame.rotation());
+            for (a, b) in frame.axes.into_iter().zip(again.axes) {
+                // An arc sine near 1 has the square root of rounding.
+                prop_assert!((a - b).length() < 1e-7, "{frame:?} {again:?}");
+            }
         }
     }
 }

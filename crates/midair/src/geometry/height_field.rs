@@ -60,6 +60,13 @@ impl HeightField {
         }
     }
 
+    /// Least and largest x, y and z that it can reach, mm.
+    pub fn bounds(&self) -> [Vec3; 2] {
+        let ([x, y], [low, high]) = (self.half, self.range);
+        let bottom = if self.solid { -self.depth } else { low };
+        [Vec3::new(-x, -y, bottom.min(low)), Vec3::new(x, y, high)]
+    }
+
     /// Whether it encloses a volume.
     pub fn is_solid(&self) -> bool {
         self.solid
@@ -84,6 +91,11 @@ impl HeightField {
 
     fn over(&self, p: Vec3) -> bool {
         p.x.abs() <= self.half[0] && p.y.abs() <= self.half[1]
+    }
+
+    /// Height at a point of the rectangle, mm.
+    pub fn height_at(&self, [x, y]: [f64; 2]) -> f64 {
+        self.height(x, y).0
     }
 
     /// Height and slopes at a point of the rectangle.

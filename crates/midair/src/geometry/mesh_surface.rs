@@ -3,7 +3,7 @@
 use super::mesh::TriangleMesh;
 use super::mesh::adjacency::{NONE, Sets, neighbours};
 use super::mesh::overlap::TOUCHING;
-use super::{Crossing, Hit, Ray, Real, Search, Vec3};
+use super::{Crossing, Fold, Hit, Ray, Real, Search, Vec3};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh};
@@ -131,6 +131,30 @@ impl MeshSurface {
             volume: mesh.signed_volume().abs(),
             at_once: TOUCHING * (high - low).length(),
         }
+    }
+
+    /// Least and largest x, y and z, mm.
+    pub fn bounds(&self) -> [Vec3; 2] {
+        [self.low, self.high]
+    }
+
+    /// Its edges, each once: between two faces, or at a rim.
+    pub fn folds(&self) -> Vec<Fold> {
+        let mut folds = Vec::new();
+        for (index, (triangle, neighbours)) in
+            self.triangles.iter().zip(&self.neighbours).enumerate()
+        {
+            for (opposite, &other) in neighbours.iter().enumerate() {
+                let ends = [1, 2].map(|k| triangle.corners[(opposite + k) % 3]);
+                if other == NONE {
+                    folds.push(Fold { ends, normals: [triangle.normal, -triangle.normal] });
+                } else if other as usize > index {
+                    let normals = [triangle.normal, self.triangles[other as usize].normal];
+                    folds.push(Fold { ends, normals });
+                }
+            }
+        }
+        folds
     }
 
     /// Whether it encloses a volume.

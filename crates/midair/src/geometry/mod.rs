@@ -14,10 +14,12 @@
 //! ```
 
 mod convex;
+mod extent;
 mod frame;
 mod height_field;
 pub mod mesh;
 mod mesh_surface;
+mod outline;
 mod ray;
 mod real;
 mod rectangle;
@@ -29,6 +31,7 @@ pub use convex::Convex;
 pub use frame::Frame;
 pub use height_field::HeightField;
 pub use mesh_surface::{MeshSurface, Part};
+pub use outline::{Fold, Outline};
 pub use ray::{Crossing, Hit, Ray, Search};
 pub use real::{Dual, Real};
 pub use rectangle::Rectangle;

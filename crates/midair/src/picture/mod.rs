@@ -40,6 +40,7 @@ pub use screen::{Driven, drive, emitted};
 pub use sequence::Sequence;
 pub use still::{
     Depth, READ, Still, decode_still, encode_still, is_picture_name, read_still, write_still,
+    write_still_of_pitch,
 };
 pub use warp::{
     DeepScratch, Drive, Filter, FixedPoint, FrameEvening, HEADROOM, LightFrame, NO_TAP, Warp,

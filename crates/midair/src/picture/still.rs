@@ -191,6 +191,44 @@ pub fn encode_still(path: &Path, picture: &Picture, depth: Depth) -> Result<Vec<
     Ok(bytes)
 }
 
+/// As [`write_still`], with the width and height of a pixel in mm in the file, where it is a PNG: programs that print or lay out show it in
+/// its true size.
+///
+/// # Errors
+/// As [`write_still`].
+pub fn write_still_of_pitch(
+    path: &Path,
+    picture: &Picture,
+    depth: Depth,
+    pitch: [f64; 2],
+) -> Result<(), FileError> {
+    let mut bytes = encode_still(path, picture, depth)?;
+    state_pitch(&mut bytes, pitch);
+    write_bytes_atomically(path, &bytes)
+}
+
+/// Puts a pHYs chunk (PNG, third edition, 11.3.4.3) before a PNG's pixels; leaves other files, and pitches that it cannot hold, as they are.
+fn state_pitch(file: &mut Vec<u8>, pitch: [f64; 2]) {
+    // The signature and IHDR: 8 bytes, and 4 + 4 + 13 + 4.
+    const HEADER: usize = 33;
+    // Pixels per metre are whole numbers.
+    let per_metre = pitch.map(|mm| (1000.0 / mm).round());
+    let held = per_metre.iter().all(|&count| (1.0..=f64::from(i32::MAX)).contains(&count));
+    if !file.starts_with(b"\x89PNG") || file.len() < HEADER || !held {
+        return;
+    }
+    let mut chunk = b"pHYs".to_vec();
+    per_metre.iter().for_each(|&count| chunk.extend((count as u32).to_be_bytes()));
+    // The unit is the metre.
+    chunk.push(1);
+    let mut crc = flate2::Crc::new();
+    crc.update(&chunk);
+    let mut whole = 9u32.to_be_bytes().to_vec();
+    whole.extend(&chunk);
+    whole.extend(crc.sum().to_be_bytes());
+    file.splice(HEADER..HEADER, whole);
+}
+
 #[cfg(test)]
 #[path = "still_colours.rs"]
 mod colours;
@@ -238,6 +276,26 @@ mod tests {
             encoded(grey.into(), ImageFormat::Png),
             std::fs::read(path).unwrap(),
         ]
+    }
+
+    #[test]
+    fn a_png_says_how_large_its_pixels_are() {
+        let picture = Picture::filled(3, 2, [0.5, 0.25, 0.125, 1.0]);
+        let plain = encode_still(Path::new("a.png"), &picture, Depth::Eight).unwrap();
+        let mut stated = plain.clone();
+        state_pitch(&mut stated, [0.1, 0.0962]);
+        // By another reader: 10 pixels to the millimetre, and 10.395.
+        let reader = png::Decoder::new(std::io::Cursor::new(&stated)).read_info().unwrap();
+        let dims = reader.info().pixel_dims.unwrap();
+        assert_eq!((dims.xppu, dims.yppu, dims.unit), (10_000, 10_395, png::Unit::Meter));
+        let read = |bytes: &[u8]| decode_still(Path::new("a.png"), bytes).unwrap().picture;
+        assert_eq!(read(&stated), read(&plain));
+        // What no file can hold is left out.
+        let mut kept = plain.clone();
+        for pitch in [[0.0, 1.0], [f64::NAN, 1.0], [1e9, 1.0]] {
+            state_pitch(&mut kept, pitch);
+            assert_eq!(kept, plain);
+        }
     }
 
     #[test]

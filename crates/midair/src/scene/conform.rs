@@ -288,8 +288,11 @@ impl Conformance<'_> {
 
     /// A value that is not of the key's kind.
     fn wrong_type(&mut self, key: &Key, node: &Node) {
-        let found = node.value.describe();
-        self.wrong(key, node, format!("is {found} where it needs {}", wanted(&key.kind)));
+        let what = format!("is {} where it needs {}", node.value.describe(), wanted(&key.kind));
+        match instead(key, &node.value) {
+            Some(help) => self.fault(&node.span, format!("`{}` {what}", key.name), help),
+            None => self.wrong(key, node, what),
+        }
     }
 
     /// An item of the key's list that is no number; of a key that is no list, the value itself.
@@ -311,6 +314,63 @@ impl Conformance<'_> {
         };
         self.fault(&node.span, message, help);
     }
+}
+
+/// What to write instead of a value that is nearly right: a name for a block, one number for several.
+fn instead(key: &Key, value: &Value) -> Option<String> {
+    match (&key.kind, value) {
+        (Kind::Block(_), Value::Text(text)) if key.name == "material" => Some(material_of(text)),
+        (Kind::Variants(variants), Value::Text(text)) => {
+            let names = || variants.iter().map(|(name, _)| *name);
+            let name = nearest(text, names()).or_else(|| names().next())?;
+            Some(format!("write `{} = {{ kind = \"{name}\", ... }}` with its measures", key.name))
+        }
+        (Kind::Numbers(..) | Kind::Integers(..), Value::Integer(number)) => {
+            Some(for_one_number(key, *number as f64))
+        }
+        (Kind::Numbers(..) | Kind::Integers(..), Value::Number(number)) => {
+            Some(for_one_number(key, *number))
+        }
+        _ => None,
+    }
+}
+
+/// What to write instead of a material's name.
+fn material_of(text: &str) -> String {
+    let name = shortened(text);
+    if text.eq_ignore_ascii_case("mirror") {
+        return "write `material = { mirror = true }`".to_owned();
+    }
+    match glass::names()
+        .find(|known| known.eq_ignore_ascii_case(text))
+        .or_else(|| nearest(text, glass::names()))
+    {
+        Some(known) => format!("write `material = {{ glass = \"{known}\" }}`"),
+        None => format!(
+            "no glass of the catalogue is called `{name}`: write `material = {{ ior = 1.49 }}` with its refractive index, or \
+             `material = {{ mirror = true }}`"
+        ),
+    }
+}
+
+/// What to write instead of one number where the key needs several.
+fn for_one_number(key: &Key, number: f64) -> String {
+    let line = match (&key.kind, key.unit) {
+        (Kind::Numbers(3, ..), Some("degrees")) => {
+            format!(
+                "`{} = [0.0, {number:?}, 0.0]` for a turn about the vertical; the others are about x (nodding) and about z",
+                key.name
+            )
+        }
+        (Kind::Numbers(len @ 2.., ..), _) if key.name == "size" => {
+            format!("`size = [{}]` for equal sides", vec![format!("{number:?}"); *len].join(", "))
+        }
+        (Kind::Integers(len, ..), _) => {
+            format!("`{} = [{}]`", key.name, vec![format!("{number}"); *len].join(", "))
+        }
+        _ => example(key),
+    };
+    format!("write {line}: {}", in_sentence(key.about))
 }
 
 /// What to write instead of a number in quotes.
@@ -374,6 +434,10 @@ fn example(key: &Key) -> String {
             format!("`{name} = {:?}`", value.unwrap_or(*least))
         }
         Kind::Integer(least, most) => format!("`{name} = {}`", 32.clamp(*least, *most)),
+        Kind::Numbers(3, ..) if key.unit == Some("degrees") => {
+            format!("`{name} = [0.0, 30.0, 0.0]`")
+        }
+        Kind::Numbers(3, ..) if name == "position" => format!("`{name} = [0.0, 0.0, -150.0]`"),
         Kind::Numbers(len, ..) => format!("`{name} = [{}]`", vec!["50.0"; *len].join(", ")),
         Kind::Integers(len, ..) => format!("`{name} = [{}]`", vec!["1024"; *len].join(", ")),
         Kind::Colour(..) => format!("`{name} = 0.9` or `{name} = [0.9, 0.9, 0.9]`"),
@@ -399,16 +463,55 @@ fn quoted<'a>(names: impl Iterator<Item = &'a str>) -> String {
 }
 
 /// "did you mean" for the nearest name, then all of them.
-fn suggestion<'a>(given: &str, known: impl Iterator<Item = &'a str>, all: &str) -> String {
+fn suggestion<'a>(given: &str, known: impl Iterator<Item = &'a str> + Clone, all: &str) -> String {
     match nearest(given, known) {
         Some(name) => format!("did you mean `{name}`? {all}"),
         None => all.to_owned(),
     }
 }
 
+/// Words that people use, and what they are called here: too far apart for a typing error.
+const WORDS: [(&str, &str); 30] = [
+    ("cube", "box"),
+    ("cuboid", "box"),
+    ("block", "box"),
+    ("ball", "sphere"),
+    ("globe", "sphere"),
+    ("rod", "cylinder"),
+    ("tube", "cylinder"),
+    ("frustum", "cone"),
+    ("egg", "ellipsoid"),
+    ("flat", "plane"),
+    ("mirror", "plane"),
+    ("model", "mesh"),
+    ("eye", "viewpoint"),
+    ("viewer", "viewpoint"),
+    ("camera", "viewpoint"),
+    ("mmap", "plate"),
+    ("aska3d", "plate"),
+    ("screen", "display"),
+    ("monitor", "display"),
+    ("tablet", "display"),
+    ("object", "element"),
+    ("pixels", "resolution"),
+    ("dimensions", "size"),
+    ("location", "position"),
+    ("centre", "position"),
+    ("center", "position"),
+    ("angles", "rotation"),
+    ("orientation", "rotation"),
+    ("index", "ior"),
+    ("n", "ior"),
+];
+
 /// The known name that was probably meant.
-fn nearest<'a>(given: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+fn nearest<'a>(given: &str, known: impl Iterator<Item = &'a str> + Clone) -> Option<&'a str> {
     let given = shortened(given).to_lowercase();
+    if let Some((_, meant)) = WORDS.iter().find(|(word, _)| *word == given)
+        && let Some(name) = known.clone().find(|name| name == meant)
+    {
+        return Some(name);
+    }
     let (distance, name) = known
         .map(|name| (strsim::damerau_levenshtein(&given, &name.to_lowercase()), name))
         .min_by_key(|(distance, _)| *distance)?;

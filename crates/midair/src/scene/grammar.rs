@@ -1,5 +1,7 @@
 //! The scene file's grammar, said once: the reader, the messages and the JSON Schema follow it.
 
+use super::devices;
+
 /// A named set of keys.
 pub(super) struct Block {
     /// What people call it, with its article.
@@ -315,6 +317,34 @@ static DISPLAY: Block = block(
             Some("pixels"),
             Need::Integers(&[1024, 1024]),
             "Width and height in pixels.",
+        ),
+        optional(
+            "model",
+            Kind::Choice(&devices::DISPLAY_NAMES),
+            None,
+            Need::Optional,
+            "A display that is sold: its resolution and its size, where they are not given.",
+        ),
+        optional(
+            "portrait",
+            Kind::Flag,
+            None,
+            Need::Optional,
+            "Whether it is held upright (true) or lies (false): its resolution is turned if need be; left out: as given.",
+        ),
+        optional(
+            "ppi",
+            Kind::Number(1.0, 10_000.0),
+            Some("pixels per inch"),
+            Need::Optional,
+            "Its size by how fine its pixels are; instead of `size`.",
+        ),
+        optional(
+            "diagonal_inches",
+            Kind::Number(0.1, 1000.0),
+            Some("inches"),
+            Need::Optional,
+            "Its size by the diagonal of its lit area, the pixels square; instead of `size`.",
         ),
         optional(
             "position",

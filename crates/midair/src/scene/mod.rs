@@ -8,6 +8,7 @@
 
 mod assets;
 mod conform;
+pub mod devices;
 mod edit;
 mod error;
 mod grammar;
@@ -19,6 +20,7 @@ mod read;
 mod save;
 mod schema;
 mod sense;
+pub mod template;
 #[cfg(test)]
 mod tests;
 mod tree;

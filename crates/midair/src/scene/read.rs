@@ -1,5 +1,6 @@
 //! From a conforming tree to the model.
 
+use super::devices::{self, Fineness};
 use super::grammar::{Block, Kind, Need};
 use super::model::*;
 use super::tree::{Entry, Node, Value, millimetres};
@@ -225,10 +226,11 @@ fn display(scene: &Fields<'_>) -> Option<Display> {
         (None, Some(file)) => ResponseSource::File(file.into()),
         (None, None) => ResponseSource::Srgb,
     };
+    let (resolution, size) = pixels(&fields)?;
     Some(Display {
-        resolution: fields.sizes("resolution")?,
+        resolution,
         pose,
-        size: fields.numbers("size"),
+        size,
         wavelengths: fields.numbers("wavelengths")?,
         response,
         emission: fields.text("emission").map(PathBuf::from),
@@ -236,6 +238,37 @@ fn display(scene: &Fields<'_>) -> Option<Display> {
         black: fields.colour("black"),
         bits: fields.integer("bits").and_then(|bits| bits.try_into().ok()),
     })
+}
+
+/// A display's pixels, and its width and height in mm where they are known: as given, else as its model, its pixels in an inch or its diagonal
+/// say.
+fn pixels(fields: &Fields<'_>) -> Option<([usize; 2], Option<[f64; 2]>)> {
+    let upright = fields.flag("portrait");
+    let turned = |sides: [usize; 2]| {
+        upright.is_some_and(|upright| sides[0] != sides[1] && (sides[1] > sides[0]) != upright)
+    };
+    let model = fields.text("model").and_then(|name| devices::display(name).ok());
+    let mut size = fields.numbers("size");
+    let mut resolution = fields.sizes("resolution")?;
+    if let Some(model) = model {
+        let swap = turned(model.resolution);
+        let as_held = |[a, b]: [f64; 2]| if swap { [b, a] } else { [a, b] };
+        if fields.given("resolution").is_none() {
+            resolution = model.resolution;
+        }
+        size = size.or_else(|| Some(as_held(model.size())));
+    }
+    if turned(resolution) {
+        resolution.reverse();
+    }
+    let fineness = match (fields.number("ppi"), fields.number("diagonal_inches")) {
+        (Some(count), _) => Some(Fineness::PerInch(count)),
+        (None, diagonal) => diagonal.map(Fineness::Diagonal),
+    };
+    if let Some(fineness) = fineness {
+        size = Some(fineness.size(resolution));
+    }
+    Some((resolution, size))
 }
 
 fn element(fields: &Fields<'_>) -> Option<Element> {

@@ -267,6 +267,16 @@ fn bilinear(rows: &[Vec<f64>], s: f64, t: f64) -> f64 {
 
 /// What a display cannot be at once.
 fn display(source: &SceneText, faults: &mut Vec<SceneError>) {
+    let measures = ["display.size", "display.ppi", "display.diagonal_inches"];
+    let mut given = measures.into_iter().filter(|key| source.has(key));
+    if let (Some(first), Some(second)) = (given.next(), given.next()) {
+        let name = |key: &str| key.trim_start_matches("display.").to_owned();
+        faults.push(source.error_at(
+            second,
+            format!("the display's size is given more than once: by `{}` and `{}`", name(first), name(second)),
+            "keep one of them: `size` if it was measured",
+        ));
+    }
     if source.has("display.gamma") && source.has("display.response") {
         faults.push(source.error_at(
             "display.gamma",

@@ -92,6 +92,28 @@ fn json_of_the_same_shape_is_the_same_scene() {
     assert_eq!(scene, toml(&outside).unwrap());
 }
 
+#[test]
+fn displays_are_described_as_people_know_them() {
+    let display = |text: &str| toml(&with("resolution = [64, 32]", text)).unwrap().display;
+    // Pixels in an inch, or a diagonal of 3 : 4 : 5; by hand.
+    let by_ppi = display("resolution = [2540, 1270]\nppi = 254");
+    assert_eq!(by_ppi.size, Some([254.0, 127.0]));
+    let [w, h] = display("resolution = [400, 300]\ndiagonal_inches = 10").size.unwrap();
+    assert!((w - 203.2).abs() < 1e-9 && (h - 152.4).abs() < 1e-9, "{w} {h}");
+    let tablet = display("model = \"ipad-10.9\"");
+    assert_eq!(tablet.resolution, [2360, 1640]);
+    let upright = display("model = \"ipad-10.9\"\nportrait = true");
+    assert_eq!(upright.resolution, [1640, 2360]);
+    let ([w, h], [a, b]) = (tablet.size.unwrap(), upright.size.unwrap());
+    assert_eq!([w, h], [b, a]);
+    // A telephone stands as it is known, and lies if it is told to.
+    assert_eq!(display("model = \"iphone-15\"").resolution, [1179, 2556]);
+    assert_eq!(display("model = \"iphone-15\"\nportrait = false").resolution, [2556, 1179]);
+    // Measured sides count more than a model's, and a model's size holds at any resolution.
+    assert_eq!(display("model = \"ipad-10.9\"\nsize = [227.0, 158.0]").size, Some([227.0, 158.0]));
+    assert_eq!(display("model = \"ipad-10.9\"\nresolution = [1180, 820]").size, Some([w, h]));
+}
+
 /// What people get wrong: the change to the good scene, the line to blame, and words that the
 /// message and the remedy have to hold.
 #[test]
@@ -112,6 +134,8 @@ fn mistakes_are_named_with_line_and_remedy() {
         (with("radius = 25.0", "radius = -25.0"), 15, &["is negative: -25"], &["mm"]),
         (with("[20, 20.0]", "[20]"), 6, &["1 numbers where it needs 2"], &["size = [50.0, 50.0]"]),
         (with("[64, 32]", "[64, 0]"), 12, &["too small"], &["between 1 and 32768"]),
+        (with("[64, 32]", "[64, 32]\nppi = 264\ndiagonal_inches = 9"), 14, &["more than once"], &["keep one"]),
+        (with("[64, 32]", "[64, 32]\nmodel = \"ipad-10\""), 13, &["`ipad-10`"], &["`ipad-10.9`"]),
         (with("[64, 32]", "[64, 32769]"), 12, &["too large"], &["32768"]),
         (with("[64, 32]", "[64, 32.5]"), 12, &["`resolution` holds a number"], &["1024"]),
         (with("ior = 1.49", "ior = 0.9"), 16, &["too small"], &["between 1 and 5"]),
@@ -123,6 +147,30 @@ fn mistakes_are_named_with_line_and_remedy() {
         (material("mirror = true, absorption = 0.5"), 16, &["absorbs nothing"], &["reflectance"]),
         (material("cauchy = [1.5, 0.9]"), 16, &["indices of"], &["between 1 and 5"]),
         (shape("kind = \"spere\", radius = 1.0"), 15, &["`spere`"], &["did you mean `sphere`"]),
+        (shape("kind = \"cube\", size = [1, 1, 1]"), 15, &["`cube`"], &["did you mean `box`"]),
+        (with(ball, "shape = \"ball\""), 15, &["a text"], &["{ kind = \"sphere\", ... }"]),
+        (with("{ ior = 1.49 }", "\"Acrylic\""), 16, &["a text"], &["{ glass = \"acrylic\" }"]),
+        (with("{ ior = 1.49 }", "\"mirror\""), 16, &["a text"], &["{ mirror = true }"]),
+        (with("ior = 1.49", "n = 1.49"), 16, &["unknown key `n`"], &["did you mean `ior`"]),
+        (
+            with("[image]", "[image]\nrotation = 30"),
+            6,
+            &["a whole number"],
+            &["[0.0, 30.0, 0.0]", "vertical"],
+        ),
+        (with("[20, 20.0]", "20"), 6, &["a list of 2 numbers"], &["size = [20.0, 20.0]"]),
+        (
+            with("[0.0, 0.0, 800.0]", "[0.0, 0.0 800.0]"),
+            4,
+            &["a comma is missing"],
+            &["`0.0, 800.0`"],
+        ),
+        (
+            shape("kind = \"sphere\" radius = 25.0"),
+            15,
+            &["a comma is missing"],
+            &["`\"sphere\", radius`"],
+        ),
         (shape("radius = 1.0"), 15, &["lacks the key `kind`"], &["`sphere`"]),
         (shape("kind = \"plane\", size = [1, 1]"), 16, &["no inside"], &["mirror = true"]),
         (

@@ -88,14 +88,65 @@ pub(super) fn parse(source: &SceneText, text: &str, format: Format) -> Result<No
     match format {
         Format::Toml => match DeTable::parse(text) {
             Ok(table) => Ok(Node { span: 0..0, value: toml_table(table.get_ref()) }),
-            Err(error) => Err(source.error(
-                Some(error.span().unwrap_or(0..0)),
-                error.message().lines().collect::<Vec<_>>().join("; "),
-                toml_help(text, error.span()),
-            )),
+            Err(error) => Err(match missing_comma(text, error.span()) {
+                Some((at, help)) => source.error(Some(at), "a comma is missing here", help),
+                None => source.error(
+                    Some(error.span().unwrap_or(0..0)),
+                    error.message().lines().collect::<Vec<_>>().join("; "),
+                    toml_help(text, error.span()),
+                ),
+            }),
         },
         Format::Json => json(source, text),
     }
+}
+
+/// Where, on the line of an error, two values of a list or two keys of an inline table stand side by side: the gap between them, and what to write.
+/// The parser says of them what it expected instead, which people read as being about something else.
+fn missing_comma(text: &str, span: Option<Range<usize>>) -> Option<(Range<usize>, String)> {
+    let at = span?.start.min(text.len());
+    let start = start_of_line(text, at);
+    let line = text[start..].lines().next()?;
+    let (mut depth, mut quoted) = (0usize, false);
+    // The last character that is no space, and where it ends.
+    let mut last: Option<(char, usize)> = None;
+    for (place, c) in line.char_indices() {
+        if quoted {
+            quoted = c != '"';
+        } else {
+            if let Some((before, end)) = last
+                && end < place
+                && !c.is_whitespace()
+                && depth > 0
+                && (before.is_ascii_digit() || "\"]}".contains(before))
+            {
+                let rest = &line[place..];
+                let word =
+                    rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
+                // A word is a key if an equals sign follows; else it may be a unit.
+                let key =
+                    word > 0 && rest[word..].trim_start().starts_with('=') && c.is_alphabetic();
+                if key || c.is_ascii_digit() || "-+\"[{".contains(c) {
+                    let from =
+                        line[..end].rfind(|c: char| " [{,=".contains(c)).map_or(0, |k| k + 1);
+                    let to = place + rest.find([' ', ',', ']', '}']).unwrap_or(rest.len());
+                    let help = format!("write `{}, {}`", &line[from..end], &line[place..to]);
+                    return Some((start + end..start + place, help));
+                }
+            }
+            match c {
+                '#' => return None,
+                '"' => quoted = true,
+                '[' | '{' => depth += 1,
+                ']' | '}' => depth = depth.saturating_sub(1),
+                _ => {}
+            }
+        }
+        if !c.is_whitespace() || quoted {
+            last = Some((c, place + c.len_utf8()));
+        }
+    }
+    None
 }
 
 fn toml_help(text: &str, span: Option<Range<usize>>) -> String {

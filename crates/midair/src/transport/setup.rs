@@ -140,6 +140,11 @@ impl Setup {
         self.elements.iter().any(|e| e.index.as_ref().is_some_and(Index::disperses))
     }
 
+    /// Width and height of a display pixel, mm.
+    pub fn pixel_pitch(&self) -> [f64; 2] {
+        [0, 1].map(|axis| self.display.size[axis] / self.resolution[axis] as f64)
+    }
+
     /// A view's size for a width in pixels: the height that gives square pixels on the image.
     pub fn view_size(&self, width: usize) -> [usize; 2] {
         let [w, h] = self.image.size;

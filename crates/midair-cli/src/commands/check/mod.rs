@@ -4,7 +4,8 @@ mod stray;
 
 use crate::arguments::{Size, check_picture_name, open_scene};
 use crate::failure::Failure;
-use crate::summary::{Voice, counts_line, paths, percent, wrote};
+use crate::summary::{Voice, paths, percent, wrote};
+use midair::evaluate::preflight::{Preflight, Severity, preflight, reason};
 use midair::files::Output;
 use midair::map::{Accuracy, Formation, ImagePoint, Map, formation, invert};
 use midair::picture::{Depth, write_still};
@@ -16,9 +17,11 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 pub use stray::Stray;
 
-/// Report which part of the image is formed, which is not, and why
+/// Look a set-up over before it is built: what is wrong, what helps, and which part of the image is formed
 ///
-/// Also draws it: the image as the viewer sees it, and the display's pixels, coloured by status.
+/// Tells what stands in something else, where the image floats, what no light meets, how much light arrives, which display pixels the image gets,
+/// and which part of it is formed or why not. Where a value of the scene file would help, it is there to be copied. Also draws it: the image as
+/// the viewer sees it, and the display's pixels, coloured by status.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  midair check scene.toml --out check.png --stray stray.png")]
 pub struct Arguments {
@@ -60,6 +63,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         }
     }
     voice.note(&loaded.notes);
+    checked.explained.iter().for_each(|line| voice.explain(line));
     let mut told = checked.json;
     told["notes"] = json!(loaded.notes);
     told["files"] = paths(&files);
@@ -71,6 +75,8 @@ pub struct Checked {
     setup: Setup,
     map: Map,
     lines: String,
+    /// For those who want to know more.
+    explained: Vec<String>,
     json: Value,
 }
 
@@ -89,12 +95,13 @@ pub fn write_check(
     let width = if w >= h { POINTS } else { ((POINTS as f64 * w / h) as usize).max(1) };
     let formation = formation(&setup, &map, setup.view_size(width));
     let parts = parts(&setup, &formation);
-    let advice = Advice::of(&setup, &formation);
+    let preflight = preflight(&setup, &loaded.scene, &map, &formation);
     let picture = status_picture::draw(&loaded.scene.name, &formation, &parts, &map);
     output.write(name, |path| write_still(path, &picture, Depth::Eight))?;
-    let lines = lines(loaded, &setup, &parts, &map, advice.as_ref());
-    let json = told(loaded, &setup, &parts, &map, advice.as_ref());
-    Ok(Checked { setup, map, lines, json })
+    let lines = lines(loaded, &parts, &preflight);
+    let json = told(loaded, &setup, &parts, &map, &preflight);
+    let explained = explained(&setup, &preflight);
+    Ok(Checked { setup, map, lines, explained, json })
 }
 
 /// The kinds of image points that there are, the most frequent first, formed ones before all.
@@ -114,106 +121,30 @@ fn parts(setup: &Setup, formation: &Formation) -> Vec<Part> {
     parts
 }
 
-/// What becomes of an image point, in words.
-fn reason(setup: &Setup, point: ImagePoint) -> String {
-    match point {
-        ImagePoint::Formed => "formed".to_owned(),
-        ImagePoint::Folded => "folded: its display pixel is seen elsewhere too".to_owned(),
-        ImagePoint::TotalReflection(element) => {
-            let name = setup.elements.get(usize::from(element)).map_or("?", |e| &e.name);
-            format!("total internal reflection in \"{name}\"")
-        }
-        ImagePoint::MissedPlate => "its light goes past the plate".to_owned(),
-        ImagePoint::PlateBehind => "its light meets the plate from behind".to_owned(),
-        ImagePoint::MissedDisplay => "its light goes past the display".to_owned(),
-        ImagePoint::TooManyInteractions => {
-            format!("more than {} interactions (max_interactions)", setup.max_interactions)
-        }
-    }
-}
-
-/// A display that would cover the whole image.
-struct Advice {
-    /// Width and height, mm.
-    size: [f64; 2],
-    /// Its centre, mm.
-    position: [f64; 3],
-    /// The part of the display asked for now, lower left and upper right.
-    wanted: [[f64; 2]; 2],
-}
-
-impl Advice {
-    /// Advice if the display is too small or stands off the light's way.
-    fn of(setup: &Setup, formation: &Formation) -> Option<Self> {
-        let [low, high] = formation.wanted?;
-        if !(0..2).any(|axis| low[axis] < 0.0 || high[axis] > 1.0) {
-            return None;
-        }
-        // The points followed are pixel centres: the border lies up to half a point's width further out, for which a
-        // whole one is added on each side; sizes are rounded up to a tenth of a millimetre.
-        let points = [formation.width, formation.height];
-        let size = std::array::from_fn(|axis| {
-            let wanted = (high[axis] - low[axis]) * setup.display.size[axis];
-            (wanted * (1.0 + 2.0 / points[axis] as f64) * 10.0).ceil() / 10.0
-        });
-        let middle = setup.display.point([0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])]);
-        let position =
-            [middle.x, middle.y, middle.z].map(|c: f64| (c * 100.0).round() / 100.0 + 0.0);
-        Some(Self { size, position, wanted: [low, high] })
-    }
-}
-
-fn lines(
-    loaded: &Loaded,
-    setup: &Setup,
-    parts: &[Part],
-    map: &Map,
-    advice: Option<&Advice>,
-) -> String {
+fn lines(loaded: &Loaded, parts: &[Part], preflight: &Preflight) -> String {
     let mut lines =
         format!("{}: {} of the image is formed\n", loaded.scene.name, percent(parts[0].share));
-    for part in &parts[1..] {
-        lines += &format!("  {:>8}  {}\n", percent(part.share), part.name);
+    for finding in &preflight.findings {
+        lines += &format!("{}: {}\n", finding.severity.name(), finding.sentence);
+        if let Some(remedy) = &finding.remedy {
+            lines += &format!("  {remedy}\n");
+        }
+        finding.lines_as_toml().lines().for_each(|line| lines += &format!("    {line}\n"));
     }
-    lines += &counts_line(&map.counts());
-    lines += "\n";
-    if let Some(advice) = advice {
-        let [w, h] = setup.display.size;
-        lines += &format!(
-            "the display ({w} x {h} mm) does not cover the whole image: it would with\n  \
-             [display]\n  position = {:?}\n  rotation = {:?}\n  size = {:?}\n",
-            advice.position,
-            rotation(setup),
-            advice.size
-        );
-    }
+    let [faults, warnings] =
+        [Severity::Fault, Severity::Warning].map(|severity| preflight.count(severity));
+    let number = |count: usize, what: &str| match count {
+        1 => format!("1 {what}"),
+        _ => format!("{count} {what}s"),
+    };
+    lines += &match (faults, warnings) {
+        (0, 0) => "nothing found that has to be mended\n".to_owned(),
+        _ => format!("{}, {}\n", number(faults, "fault"), number(warnings, "warning")),
+    };
     lines
 }
 
-/// The display's rotation as a scene file has it: Rx*Ry*Rz, degrees.
-fn rotation(setup: &Setup) -> [f64; 3] {
-    let [x, y, z] = setup.display.frame.axes;
-    // The matrix's columns are the axes; Rx*Ry*Rz has sin(y) at row 0, column 2.
-    let about_y = z.x.clamp(-1.0, 1.0).asin();
-    let (about_x, about_z) = if z.x.abs() < 1.0 - 1e-12 {
-        ((-z.y).atan2(z.z), (-y.x).atan2(x.x))
-    } else {
-        (y.z.atan2(y.y), 0.0)
-    };
-    [about_x, about_y, about_z].map(|angle| {
-        let degrees = (angle.to_degrees() * 1e6).round() / 1e6;
-        // No negative zero in what the user is to copy.
-        degrees + 0.0
-    })
-}
-
-fn told(
-    loaded: &Loaded,
-    setup: &Setup,
-    parts: &[Part],
-    map: &Map,
-    advice: Option<&Advice>,
-) -> Value {
+fn told(loaded: &Loaded, setup: &Setup, parts: &[Part], map: &Map, preflight: &Preflight) -> Value {
     let share = |wanted: ImagePoint| {
         parts.iter().find(|part| part.point == wanted).map_or(0.0, |part| part.share)
     };
@@ -228,17 +159,16 @@ fn told(
             "formed": share(ImagePoint::Formed),
             "folded": share(ImagePoint::Folded),
             "not_formed": not_formed,
+            "floating": preflight.floating,
         },
+        "light": preflight.light,
         "display": {
             "resolution": setup.resolution,
             "size": setup.display.size,
+            "pixels": preflight.pixels,
             "status": map.counts(),
-            "advice": advice.map(|advice| json!({
-                "position": advice.position,
-                "rotation": rotation(setup),
-                "size": advice.size,
-                "asked_for": advice.wanted,
-            })),
+            "advice": preflight.display,
         },
+        "findings": preflight.findings,
     })
 }

@@ -6,7 +6,7 @@ use midair::compensate::{Compensation, Solved};
 use midair::files::Output;
 use midair::map::format::{Format, write_channels, write_map_and_gain};
 use midair::map::{Gain, Map, Status, bleed, forward};
-use midair::picture::{Depth, Picture, Still, write_still};
+use midair::picture::{Depth, Picture, Still, write_still, write_still_of_pitch};
 
 impl Arguments {
     /// Writes the maps as they were asked for, for pictures of `source` pixels; returns what the user should know.
@@ -79,9 +79,15 @@ fn write_six_channels(output: &mut Output, solved: &[Solved]) -> Result<(), Fail
     Ok(output.write("map_rgb.exr", |path| write_channels(path, width, height, channels, false))?)
 }
 
-/// Writes what the display shows: 8 bits for a picture of 8 bits, else 16, and OpenEXR for an OpenEXR picture as well.
-pub fn write_display(output: &mut Output, still: &Still, display: &Picture) -> Result<(), Failure> {
-    output.write("display.png", |path| write_still(path, display, still.depth))?;
+/// Writes what the display shows: 8 bits for a picture of 8 bits, else 16, and OpenEXR for an OpenEXR picture as well. `pitch` is the width and
+/// height of its pixels in mm.
+pub fn write_display(
+    output: &mut Output,
+    still: &Still,
+    display: &Picture,
+    pitch: [f64; 2],
+) -> Result<(), Failure> {
+    output.write("display.png", |path| write_still_of_pitch(path, display, still.depth, pitch))?;
     if still.depth == Depth::Float {
         output.write("display.exr", |path| write_still(path, display, Depth::Float))?;
     }

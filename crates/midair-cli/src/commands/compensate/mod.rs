@@ -111,7 +111,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         }
         let shown = compensation.shown(light);
         laps.lap("brightness");
-        write_display(&mut output, still, &shown.display)?;
+        write_display(&mut output, still, &shown.display, setup.pixel_pitch())?;
         laps.lap("write_display");
         brightness = Some(shown.brightness);
     }

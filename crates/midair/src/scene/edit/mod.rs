@@ -12,9 +12,12 @@ use super::model::Scene;
 use super::tree::{self, Entry, Node, Value};
 use super::{Format, parse_with_places, to_toml};
 use path::{Place, Step};
+use serde::Serialize;
+use std::fmt;
 
-/// A value for a key of a scene file.
-#[derive(Clone, Debug, PartialEq)]
+/// A value for a key of a scene file. Shown, it is as TOML has it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
 pub enum Setting {
     /// True or false.
     Flag(bool),
@@ -30,6 +33,20 @@ pub enum Setting {
     Rows(Vec<Vec<f64>>),
     /// A text, or the name of a file.
     Text(String),
+}
+
+impl fmt::Display for Setting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Flag(flag) => write!(f, "{flag}"),
+            Self::Integer(number) => write!(f, "{number}"),
+            Self::Number(number) => write!(f, "{number:?}"),
+            Self::Integers(numbers) => write!(f, "{numbers:?}"),
+            Self::Numbers(numbers) => write!(f, "{numbers:?}"),
+            Self::Rows(rows) => write!(f, "{rows:?}"),
+            Self::Text(text) => write!(f, "{}", toml_edit::Value::from(text.as_str())),
+        }
+    }
 }
 
 impl From<bool> for Setting {
