@@ -279,9 +279,7 @@ mod tests {
     fn a_dead_link_is_told_with_its_line() {
         let page = Path::new("docs/here");
         let error = links(page, "a\n\n[b](../Cargo.toml) [c](none.md#part)\n").unwrap_err();
-        assert!(
-            error.to_string().contains("docs/here:3") && error.to_string().contains("none.md")
-        );
+        assert!(error.to_string().contains("docs/here:3") && error.to_string().contains("none.md"));
         links(page, "[a](https://example.org/) [b](../Cargo.toml#x) [c](#here)").unwrap();
     }
 

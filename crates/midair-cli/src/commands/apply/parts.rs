@@ -1,7 +1,6 @@
 //! The pieces of long work, kept so that it can be gone on with.
 
 use super::Arguments;
-use crate::arguments::GainMode;
 use crate::failure::Failure;
 use crate::output::inputs;
 use midair::files::{Kept, write_bytes_atomically};
@@ -16,6 +15,24 @@ use std::path::{Path, PathBuf};
 pub fn begin(arguments: &Arguments, map: &Map) -> Result<Kept, Failure> {
     let work = format!("{:#}\n", description(arguments, map));
     Ok(Kept::begin(&arguments.output, &work, arguments.resume, inputs())?)
+}
+
+/// What must succeed before the work. Where it does not, and there is nothing to go on with, the pieces' folder goes.
+pub fn prepared<T>(
+    kept: Kept,
+    anything: bool,
+    prepare: impl FnOnce(&Kept) -> Result<T, Failure>,
+) -> Result<(Kept, T), Failure> {
+    match prepare(&kept) {
+        Ok(ready) => Ok((kept, ready)),
+        Err(failure) => {
+            if !anything {
+                // Why it cannot be is what is to be told.
+                let _ = kept.finish();
+            }
+            Err(failure)
+        }
+    }
 }
 
 /// The pieces of a film that are complete, from the first on without a gap.
