@@ -4,6 +4,7 @@
 //! cargo xtask test [--only STEP]     install what tests need, then run them all
 //! cargo xtask bench [--quick]        the table of times and memory, as Markdown
 //! cargo xtask campaign [--count N]   the maps of random set-ups, judged by brute force
+//! cargo xtask fuzz [--seconds N]     what reads files, under a fuzzer that follows coverage
 //! cargo xtask pictures               remake the pictures of the README and the book
 //! cargo xtask reference              bring the book's tables of keys and commands up to date
 //! ```
@@ -13,6 +14,7 @@ mod book;
 mod campaign;
 #[cfg(test)]
 mod citations;
+mod fuzz;
 mod pictures;
 mod process;
 mod reference;
@@ -40,6 +42,8 @@ enum Task {
     Bench(bench::Options),
     /// Judge the maps of random set-ups by brute force.
     Campaign(campaign::Options),
+    /// Run what reads people's files under a fuzzer that follows coverage.
+    Fuzz(fuzz::Options),
     /// Remake the pictures of the README and the book.
     Pictures,
     /// Bring the book's tables of keys and commands up to date.
@@ -57,6 +61,7 @@ fn main() -> ExitCode {
         Task::Test(options) => test::run(&options),
         Task::Bench(options) => bench::run(&options).map(|()| true),
         Task::Campaign(options) => campaign::run(&options),
+        Task::Fuzz(options) => fuzz::run(&options),
         Task::Pictures => pictures::run().map(|()| true),
         Task::Reference => reference::write().map(|()| true),
     };

@@ -1,6 +1,6 @@
 //! `cargo xtask test`: everything that must hold before a change is merged.
 
-use crate::{book, process, setup, wasm};
+use crate::{book, fuzz, process, setup, wasm};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use midair_peers::Peer;
@@ -36,6 +36,8 @@ enum Step {
     Book,
     /// The library does the same in WebAssembly as here.
     Wasm,
+    /// What reads files is fuzzed for some tens of seconds.
+    Fuzz,
 }
 
 /// How many checks went which way.
@@ -122,6 +124,7 @@ impl Step {
                 book::run()
             }
             Self::Wasm => wasm::run(),
+            Self::Fuzz => fuzz::test(),
         }
     }
 }
@@ -136,6 +139,7 @@ fn tests(optional: &[Peer]) -> Tally {
     let skips = std::env::temp_dir().join(format!("midair-skips-{}", std::process::id()));
     let mut command = process::cargo(&["test", "--quiet", "--workspace", "--no-fail-fast"]);
     command.env(midair_peers::REQUIRED, required(optional)).env(midair_peers::SKIPS, &skips);
+    command.env(midair_peers::corpus::CORPUS, fuzz::seeds());
     let status = process::run_watched(&mut command, |line| {
         if let Some(counts) = read_result(line) {
             tally.add(counts);

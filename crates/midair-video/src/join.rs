@@ -119,6 +119,8 @@ pub struct Joining<'a> {
     pub end: f64,
     /// How many pictures there are.
     pub frames: u64,
+    /// Pictures a second, about, as a fraction.
+    pub rate: [u64; 2],
     /// What comes along.
     pub extras: Option<&'a Extras>,
 }
@@ -152,15 +154,26 @@ pub fn join(joining: &Joining, list: &Path, target: &Path) -> Result<(), VideoEr
         extras.select(&mut command, 1);
     }
     let extension = target.extension().and_then(|e| e.to_str()).unwrap_or_default();
-    // A film ends when its last picture does: how long that stands no timestamp tells.
-    let lengths = last_length(joining, extension);
-    command.args(["-bsf:v", &lengths]);
+    if is_avi(target) {
+        // It has no times, only a rate.
+        let [frames, seconds] = joining.rate;
+        command.args(["-r", &format!("{}/{}", frames.max(1), seconds.max(1))]);
+    } else {
+        // A film ends when its last picture does: how long that stands no timestamp tells.
+        command.args(["-bsf:v", &last_length(joining, extension)]);
+    }
     if ["mp4", "mov", "m4v"].iter().any(|kind| extension.eq_ignore_ascii_case(kind)) {
         // So that it can be played while it is fetched.
         command.args(["-movflags", "+faststart"]);
     }
-    command.args(["-c:v", "copy"]).arg(full(target)?);
+    // Matroska's muxer makes up a number for each film, unless the same run is to write the same bytes.
+    command.args(["-fflags", "+bitexact", "-c:v", "copy"]).arg(full(target)?);
     run(command, target, "join picture and sound")
+}
+
+/// Whether a file's name is that of an AVI, whose pictures have no times of their own.
+pub fn is_avi(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("avi"))
 }
 
 /// ffmpeg's filter that gives the last packet the time that is left to the film's end.

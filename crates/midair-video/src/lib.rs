@@ -13,7 +13,7 @@ mod tool;
 
 pub use decode::{Decoder, Timing};
 pub use encode::{Encoder, Recipe};
-pub use join::{Extras, Joining, Part, join};
+pub use join::{Extras, Joining, Part, is_avi, join};
 pub use options::{Coded, coded};
 pub use probe::{Film, probe};
 pub use tool::VideoError;

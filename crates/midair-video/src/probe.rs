@@ -25,7 +25,7 @@ pub struct Film {
     pub(crate) decoder: Option<&'static str>,
     /// Frames that it has, where the file has counted them; a film that is shown in part only has more than are seen.
     pub counted: Option<u64>,
-    /// When it begins, in seconds of the file's clock.
+    /// When it begins, in seconds after the first of the file's streams does: broadcasts' clocks do not begin at 0, and ffmpeg sets them to it.
     pub start: f64,
     /// How long it lasts in seconds, where the file tells it of this stream.
     pub seconds: Option<f64>,
@@ -44,7 +44,7 @@ pub struct Film {
 }
 
 impl Film {
-    /// When its last picture's time is over, in seconds of the file's clock, where the file tells.
+    /// When its last picture's time is over, by the clock of `start`, where the file tells.
     pub fn end(&self) -> Option<f64> {
         self.seconds.map(|seconds| self.start + seconds)
     }
@@ -125,7 +125,9 @@ fn film(path: &Path, told: &Value) -> Option<Film> {
     let text = |name: &str| stream[name].as_str().filter(|text| known(text));
     let rate = fraction(text("avg_frame_rate").unwrap_or_default());
     let seconds = |value: &Value| value["duration"].as_str()?.parse::<f64>().ok();
-    let start = stream["start_time"].as_str().and_then(|time| time.parse().ok()).unwrap_or(0.0);
+    let begins = |value: &Value| value["start_time"].as_str()?.parse::<f64>().ok();
+    let begin = begins(stream).unwrap_or(0.0);
+    let start = begin - begins(&told["format"]).unwrap_or(0.0);
     // Matroska tells each stream's length in a tag.
     let tagged = || clock(stream["tags"]["DURATION"].as_str()?);
     let usual = Colour::usual(height);
@@ -147,7 +149,7 @@ fn film(path: &Path, told: &Value) -> Option<Film> {
         start,
         counted: text("nb_frames").and_then(|count| count.parse().ok()),
         // Matroska's tag counts from 0, not from the first picture.
-        seconds: seconds(stream).or_else(|| tagged().map(|end| end - start)),
+        seconds: seconds(stream).or_else(|| tagged().map(|end| end - begin)),
         whole: seconds(&told["format"]),
         rate,
         colour: Colour {
@@ -222,8 +224,12 @@ mod tests {
     fn a_film_that_is_shown_in_part_has_the_frames_that_are_seen() {
         let told = serde_json::json!({ "streams": [{ "index": 0, "codec_type": "video", "width": 8, "height": 8,
             "avg_frame_rate": "25/1", "nb_frames": "100", "duration": "2.68", "start_time": "0.5" }] });
-        let film = film(Path::new("x"), &told).unwrap();
-        assert_eq!((film.frames(), film.end()), (Some(67), Some(3.18)));
+        let taken = film(Path::new("x"), &told).unwrap();
+        assert_eq!((taken.frames(), taken.end()), (Some(67), Some(3.18)));
+        // A broadcast's clock runs since long before.
+        let mut told = told;
+        told["format"] = serde_json::json!({ "start_time": "0.25" });
+        assert_eq!(film(Path::new("x"), &told).unwrap().end(), Some(2.93));
     }
 
     #[test]

@@ -93,7 +93,8 @@ fn parts_are_joined_with_their_times_and_begin_where_they_should() {
         let last = Timing { ticks: TICKS[5], base: BASE }.seconds();
         // The last picture stands for two seconds.
         let (end, frames) = (last + 2.0, 6);
-        let joining = Joining { parts: &parts, start, last, end, frames, extras: None };
+        let rate = [25, 1];
+        let joining = Joining { parts: &parts, start, last, end, frames, rate, extras: None };
         join(&joining, &folder.path().join("list.txt"), &target).unwrap();
         let whole = probe(&target).unwrap().end().unwrap();
         // Matroska counts milliseconds, and the length from 0; MP4 counts its beginning in milliseconds.

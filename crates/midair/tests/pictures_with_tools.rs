@@ -1,13 +1,18 @@
 //! Pictures as other programs write them, read as these programs see them: Pillow (LittleCMS), tifffile, OpenEXR's own library.
 
 use midair::map::format::{Format, read_map};
-use midair::picture::{read_still, srgb};
+use midair::picture::{is_picture_name, read_still, srgb};
 use std::path::Path;
 use std::process::Command;
 
 fn run(python: &Path, script: &str, folder: &Path) {
     let output = Command::new(python).args(["-c", script]).current_dir(folder).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    for file in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        if is_picture_name(&file) {
+            midair_peers::corpus::keep("pictures", &[&std::fs::read(&file).unwrap()]);
+        }
+    }
 }
 
 /// The codes that a display of sRGB is sent for a still.
@@ -91,6 +96,12 @@ image = Image.fromarray(rgb)
 rgb.tofile('rgb.raw')
 image.save('a.bmp'); image.save('lzw.tiff', compression='tiff_lzw'); image.save('deflate.tif', compression='tiff_deflate'); image.save('a.webp', lossless=True)
 image.save('packbits.tif', compression='packbits')
+tifffile.imwrite('big.tif', rgb, photometric='rgb', bigtiff=True)
+tifffile.imwrite('planes.tif', rgb, photometric='rgb', planarconfig='separate')
+more = Image.fromarray(rgb[::-1].copy())
+image.save('pages.tif', save_all=True, append_images=[more])
+for kind in ('png', 'webp'):
+    image.save(f'moves.{kind}', save_all=True, append_images=[more], **({'lossless': True} if kind == 'webp' else {}))
 image.convert('P', palette=Image.Palette.ADAPTIVE).save('palette.bmp')
 numpy.asarray(Image.open('palette.bmp').convert('RGB')).tofile('palette.raw')
 for k in range(1, 9):
@@ -109,9 +120,17 @@ tifffile.imwrite('light.tiff', light, photometric='rgb'); light.tofile('light.ra
 ";
     run(&python, script, folder.path());
     let raw = |name: &str| std::fs::read(at(name)).unwrap();
-    for name in ["a.bmp", "lzw.tiff", "deflate.tif", "packbits.tif", "a.webp"] {
+    for name in ["a.bmp", "lzw.tiff", "deflate.tif", "packbits.tif", "a.webp", "big.tif"] {
         assert_eq!(codes(&at(name)).as_flattened(), raw("rgb.raw"), "{name}");
+        assert!(read_still(&at(name)).unwrap().notes.is_empty(), "{name}");
     }
+    for name in ["pages.tif", "moves.png", "moves.webp"] {
+        assert_eq!(codes(&at(name)).as_flattened(), raw("rgb.raw"), "{name}");
+        let notes = read_still(&at(name)).unwrap().notes;
+        assert!(notes[0].contains("several pictures"), "{name}: {notes:?}");
+    }
+    let message = read_still(&at("planes.tif")).unwrap_err().to_string();
+    assert!(message.contains("plane by plane") && message.contains("side by side"), "{message}");
     assert_eq!(codes(&at("palette.bmp")).as_flattened(), raw("palette.raw"));
     for turn in 1..=8 {
         for kind in ["png", "tiff", "webp"] {

@@ -145,6 +145,9 @@ fn what_cannot_be_is_refused_before_the_work() {
         let said = bench.refuse(&["apply", "map.exr", name, "out.mkv"]);
         assert!(said.contains("no such file") && said.contains(meant), "{said}");
     }
+    // A picture is one whatever it is called.
+    std::fs::copy(bench.path("p.png"), bench.path("picture")).unwrap();
+    bench.succeed(&["apply", "map.exr", "picture", "seen.png"]);
     bench.write("a.heic", b"\0\0\0\x18ftypheic");
     for out in ["o.png", "o.mp4"] {
         let said = bench.refuse(&["apply", "map.exr", "a.heic", out]);

@@ -253,7 +253,52 @@ fn subtitles_come_along_or_are_told_and_sound_that_cannot_is_refused_at_once() {
     // WebM takes no FLAC: said before a frame is made, and nothing is left.
     let said = bench.refuse(&["apply", "map.exr", "in.mkv", "o.webm"]);
     assert!(said.contains("o.webm") && said.contains("--no-audio"), "{said}");
-    assert!(!bench.path("o.webm").exists());
+    let left = std::fs::read_dir(bench.folder.path()).unwrap().flatten();
+    let left: Vec<_> = left.map(|entry| entry.file_name()).collect();
+    assert!(!left.iter().any(|name| name.to_string_lossy().contains("o.webm")), "{left:?}");
+}
+
+#[test]
+fn the_same_film_is_made_of_the_same_bytes() {
+    if !midair_peers::ffmpeg() {
+        return;
+    }
+    let bench = bench();
+    ffmpeg(
+        &bench,
+        "-f lavfi -i testsrc2=size=64x48:rate=5:duration=1 -f lavfi -i sine=duration=1 -c:v libx264 -c:a aac a.mp4",
+    );
+    for kind in ["mp4", "mov", "mkv"] {
+        let made = [1, 2].map(|k| {
+            let name = format!("{k}.{kind}");
+            bench.succeed(&["apply", "map.exr", "a.mp4", &name]);
+            std::fs::read(bench.path(&name)).unwrap()
+        });
+        assert!(made[0] == made[1], "{kind}");
+    }
+}
+
+#[test]
+fn a_broadcast_s_clock_and_an_avi_s_rate_are_kept() {
+    if !midair_peers::ffmpeg() {
+        return;
+    }
+    let bench = bench();
+    // Its clock begins at 1.4 s.
+    ffmpeg(
+        &bench,
+        "-f lavfi -i testsrc2=size=64x48:rate=25:duration=1 -f lavfi -i sine=duration=1 -c:v libx264 -c:a aac a.ts",
+    );
+    assert!(said_by_ffprobe(&bench, "a.ts", "format=start_time").trim().starts_with("1.4"));
+    for name in ["o.mp4", "o.mkv", "o.avi"] {
+        bench.succeed(&["apply", "map.exr", "a.ts", name]);
+        assert_eq!(frames(&bench, name).len(), 25, "{name}");
+        // Sound is up to two of its own frames longer than the picture, and may begin one earlier.
+        let told = length(&bench, name);
+        assert!((0.99..1.08).contains(&told), "{name}: {told}");
+    }
+    let rate = said_by_ffprobe(&bench, "o.avi", "stream=avg_frame_rate");
+    assert!(rate.starts_with("25/1"), "{rate}");
 }
 
 #[test]

@@ -20,7 +20,7 @@ pub struct MeshSurface {
     neighbours: Vec<[u32; 3]>,
     /// The part that each triangle belongs to: triangles over whose common edges the normal does not jump.
     parts: Vec<Part>,
-    /// The body that each triangle bounds; empty where no bodies overlap.
+    /// The body that each triangle bounds; empty where no bodies overlap and none crosses itself.
     bodies: Vec<u32>,
     bvh: CwBvh,
     low: Vec3,
@@ -213,23 +213,24 @@ impl MeshSurface {
         best
     }
 
-    /// The first crossing of the surface of all bodies' union: where, going on, the number of bodies around changes from or to none.
+    /// The first crossing of the surface of all bodies' union: where, going on, the number of bodies around changes from or to none. A body whose
+    /// surface crosses itself is around as often as the surface winds.
     ///
     /// That number is counted from the far end, where it is 0: it does not depend on where the ray begins.
     fn nearest_of_union(&self, ray: &Ray, search: Search, wanted: Crossing) -> Option<Hit> {
         let mut hits = self.all(ray, search);
-        // Of an edge both triangles are hit; their body is crossed once.
+        // Of an edge both triangles are hit; their body is crossed once. Two faces of a body may also lie upon one another, and then both count.
         let body = |hit: &Hit| self.bodies[hit.face as usize];
-        hits.sort_by(|a, b| a.t.total_cmp(&b.t).then(body(a).cmp(&body(b))));
-        hits.dedup_by(|next, kept| {
+        hits.sort_by(|(a, _), (b, _)| a.t.total_cmp(&b.t).then(body(a).cmp(&body(b))));
+        hits.dedup_by(|(next, on_edge), (kept, at_edge)| {
             let same = body(next) == body(kept) && next.crossing == kept.crossing;
-            same && next.t - kept.t <= 1e-9
+            same && *on_edge && *at_edge && next.t - kept.t <= 1e-9
         });
         let mut first = None;
         let mut around = 0i32;
         let mut later: Option<f64> = None;
         for end in (1..=hits.len()).rev() {
-            let hit = hits[end - 1];
+            let (hit, _) = hits[end - 1];
             let beyond = around;
             around += if hit.crossing == Crossing::Leave { 1 } else { -1 };
             let outside = if wanted == Crossing::Leave { beyond } else { around };
@@ -246,8 +247,38 @@ impl MeshSurface {
         first
     }
 
-    /// All hits that lie ahead.
-    fn all(&self, ray: &Ray, search: Search) -> Vec<Hit> {
+    /// Whether the line from `from` to `to` goes through a face that `counts`, from one side of it to the other: both ends are further than `margin` from
+    /// its plane.
+    pub(in crate::geometry) fn is_pierced(
+        &self,
+        [from, to]: [Vec3; 2],
+        margin: f64,
+        counts: impl Fn(u32) -> bool,
+    ) -> bool {
+        let length = (to - from).length();
+        let ray = Ray { origin: from, direction: (to - from) * (1.0 / length) };
+        let sheared = Sheared::new(&ray);
+        let traversed = obvhs::ray::Ray::new(
+            narrow(ray.at(-SET_BACK)).into(),
+            narrow(ray.direction).into(),
+            0.0,
+            ((length + 2.0 * SET_BACK) as f32).next_up(),
+        );
+        let mut pierced = false;
+        self.bvh.ray_traverse(traversed, &mut obvhs::ray::RayHit::none(), |_, index| {
+            let face = self.bvh.primitive_indices[index];
+            let triangle = &self.triangles[face as usize];
+            let [a, b] = [from, to].map(|p| (p - triangle.corners[0]).dot(triangle.normal));
+            let parted = a.min(b) < -margin && a.max(b) > margin;
+            pierced |= parted && counts(face) && sheared.hit(triangle).is_some();
+            // Nothing beyond counts once it is.
+            if pierced { 0.0 } else { f32::INFINITY }
+        });
+        pierced
+    }
+
+    /// All hits that lie ahead, and whether each is on an edge.
+    fn all(&self, ray: &Ray, search: Search) -> Vec<(Hit, bool)> {
         let mut hits = Vec::new();
         let Some(entry) = self.entry(ray) else { return hits };
         let near = ray.at(entry.max(search.after) - SET_BACK);
@@ -262,9 +293,10 @@ impl MeshSurface {
             let face = self.bvh.primitive_indices[index];
             let triangle = &self.triangles[face as usize];
             if search.standing_on != Some(face)
-                && let Some(t) = sheared.hit(triangle).filter(|&t| t > search.after)
+                && let Some((t, on_edge)) =
+                    sheared.strike(triangle).filter(|&(t, _)| t > search.after)
             {
-                hits.push(Hit { t, face, crossing: triangle.crossing(ray.direction) });
+                hits.push((Hit { t, face, crossing: triangle.crossing(ray.direction) }, on_edge));
             }
         });
         hits
@@ -381,6 +413,11 @@ impl Sheared {
     }
 
     fn hit(&self, triangle: &Triangle) -> Option<f64> {
+        self.strike(triangle).map(|(t, _)| t)
+    }
+
+    /// Where the triangle is hit, and whether on an edge, where its neighbour is hit as well.
+    fn strike(&self, triangle: &Triangle) -> Option<(f64, bool)> {
         let [x, y, z] = self.axes;
         let [a, b, c] = triangle.corners.map(|corner| {
             let p = (corner - self.origin).to_array();
@@ -395,7 +432,8 @@ impl Sheared {
         if sum == 0.0 {
             return None;
         }
-        Some((weights[0] * a[2] + weights[1] * b[2] + weights[2] * c[2]) / sum)
+        let t = (weights[0] * a[2] + weights[1] * b[2] + weights[2] * c[2]) / sum;
+        Some((t, weights.contains(&0.0)))
     }
 }
 

@@ -39,8 +39,8 @@ pub use resample::{display_image, display_image_by_colour};
 pub use screen::{Driven, drive, emitted};
 pub use sequence::Sequence;
 pub use still::{
-    Depth, READ, Still, decode_still, encode_still, is_picture_name, read_still, write_still,
-    write_still_of_pitch,
+    Depth, READ, Still, decode_still, encode_still, is_picture, is_picture_name, read_still,
+    write_still, write_still_of_pitch,
 };
 pub use warp::{
     DeepScratch, Drive, Filter, FixedPoint, FrameEvening, HEADROOM, LightFrame, NO_TAP, Warp,

@@ -14,8 +14,8 @@ use std::sync::Arc;
 pub(super) enum Encoding {
     /// As sRGB says.
     Srgb,
-    /// By a curve for each colour, then to sRGB's primaries.
-    Curve { transfer: Transfer, matrix: Option<ToSrgb> },
+    /// By a curve for each colour, then to sRGB's primaries. `narrow`: black and white are 16 and 235 of 255, as in films.
+    Curve { transfer: Transfer, matrix: Option<ToSrgb>, narrow: bool },
     /// By an ICC profile, of grey or of red, green and blue.
     Icc { transform: Arc<TransformF32Executor>, grey: bool },
 }
@@ -72,7 +72,8 @@ pub(super) fn read(bytes: &[u8], format: ImageFormat, icc: Option<&[u8]>, grey: 
     };
     let info = chunks.as_ref().map(png::Reader::info);
     if let Some(told) = info.and_then(|info| info.coding_independent_code_points) {
-        return of_codes(told.color_primaries, told.transfer_function);
+        let narrow = !told.is_video_full_range_image;
+        return of_codes(told.color_primaries, told.transfer_function, narrow);
     }
     if let Some(icc) = icc {
         return of_icc(icc, grey);
@@ -84,7 +85,7 @@ pub(super) fn read(bytes: &[u8], format: ImageFormat, icc: Option<&[u8]>, grey: 
 }
 
 /// Code points of ITU-T H.273.
-fn of_codes(primaries: u8, transfer: u8) -> Told {
+fn of_codes(primaries: u8, transfer: u8, narrow: bool) -> Told {
     let transfer = match transfer {
         // Films' curves are shown by a display as sRGB's.
         1 | 2 | 6 | 13..=15 => Transfer::Curve(Curve::Srgb),
@@ -110,11 +111,11 @@ fn of_codes(primaries: u8, transfer: u8) -> Told {
             }
         },
     };
-    of_curve(transfer, known)
+    of_curve(transfer, known, narrow)
 }
 
-fn of_curve(transfer: Transfer, primaries: Primaries) -> Told {
-    if transfer == Transfer::Curve(Curve::Srgb) && primaries.is_srgb() {
+fn of_curve(transfer: Transfer, primaries: Primaries, narrow: bool) -> Told {
+    if transfer == Transfer::Curve(Curve::Srgb) && primaries.is_srgb() && !narrow {
         return Told::srgb();
     }
     let matrix = match primaries.is_srgb() {
@@ -128,7 +129,7 @@ fn of_curve(transfer: Transfer, primaries: Primaries) -> Told {
         Some(curve) => Some(format!("a wide range of light ({}); {}", name(curve), wide::SAID)),
         None => matrix.is_some().then(|| "its primaries are converted to those of sRGB".to_owned()),
     };
-    Told { encoding: Encoding::Curve { transfer, matrix }, note }
+    Told { encoding: Encoding::Curve { transfer, matrix, narrow }, note }
 }
 
 fn name(curve: Curve) -> &'static str {
@@ -155,12 +156,13 @@ fn of_chunks(info: &png::Info) -> Told {
             white: pair(told.white),
         }
     });
-    of_curve(transfer, primaries)
+    of_curve(transfer, primaries, false)
 }
 
 /// Floating-point samples without a profile.
 pub(super) fn linear() -> Told {
-    let encoding = Encoding::Curve { transfer: Transfer::Curve(Curve::Linear), matrix: None };
+    let transfer = Transfer::Curve(Curve::Linear);
+    let encoding = Encoding::Curve { transfer, matrix: None, narrow: false };
     let note = "its floating-point samples are taken as linear light with sRGB's primaries";
     Told { encoding, note: Some(note.to_owned()) }
 }
@@ -205,7 +207,7 @@ fn of_icc(icc: &[u8], grey: bool) -> Told {
             Primaries::of_code(told.color_primaries as u8),
         )
     {
-        return of_curve(Transfer::Curve(curve), primaries);
+        return of_curve(Transfer::Curve(curve), primaries, false);
     }
     // To sRGB's primaries, in light.
     let mut light = ColorProfile::new_srgb();

@@ -1,10 +1,11 @@
 //! PNG, JPEG, TIFF, WebP and BMP as pictures in linear light.
 
 use super::profile::{self, Encoding, Told, Transfer};
-use super::{Depth, Picture, Still, srgb, wide};
+use super::{Depth, Picture, Still, srgb, tiff, wide};
 use crate::map::format::{CUT, FileError, ImageBytes};
 use image::{DynamicImage, ImageDecoder as _, ImageFormat};
 use rayon::prelude::*;
+use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
@@ -19,7 +20,9 @@ const KINDS: [(ImageFormat, &str); 5] = [
 
 /// The kind of a file by its first bytes; `None` for others than these.
 pub(super) fn kind(bytes: &[u8]) -> Option<ImageFormat> {
-    let format = image::guess_format(bytes).ok()?;
+    // The library reads BigTIFF, but does not know it by its first bytes.
+    let big = [&b"II\x2b\0"[..], b"MM\0\x2b"].iter().any(|start| bytes.starts_with(start));
+    let format = if big { ImageFormat::Tiff } else { image::guess_format(bytes).ok()? };
     KINDS.iter().any(|(known, _)| *known == format).then_some(format)
 }
 
@@ -27,7 +30,7 @@ pub(super) fn kind(bytes: &[u8]) -> Option<ImageFormat> {
 pub(super) fn decode(path: &Path, bytes: &[u8], format: ImageFormat) -> Result<Still, FileError> {
     // Decoders meet damaged files here; a panic in one is an error in the file.
     let decoded = catch_unwind(AssertUnwindSafe(|| samples(path, bytes, format)));
-    let (image, told) = decoded.unwrap_or_else(|_| {
+    let (image, told, more) = decoded.unwrap_or_else(|_| {
         Err(FileError::malformed(path, "pixels", "the data make no sense", "export it again"))
     })?;
     let depth = match image.color().bytes_per_pixel() / image.color().channel_count() {
@@ -35,15 +38,34 @@ pub(super) fn decode(path: &Path, bytes: &[u8], format: ImageFormat) -> Result<S
         2 => Depth::Sixteen,
         _ => Depth::Float,
     };
-    let notes = told.note.iter().map(|note| format!("{}: {note}", path.display())).collect();
+    let more = more.then(|| "it holds several pictures; the first is read".to_owned());
+    let notes =
+        told.note.iter().chain(&more).map(|note| format!("{}: {note}", path.display())).collect();
     Ok(Still { picture: linearise(image, &told.encoding), depth, notes })
+}
+
+/// Whether a file holds further pictures: pages of a TIFF, or those of a PNG or WebP that moves.
+fn has_more(bytes: &[u8], format: ImageFormat) -> bool {
+    match format {
+        ImageFormat::Tiff => tiff::facts(bytes).is_some_and(|facts| facts.pages > 1),
+        ImageFormat::Png => {
+            let chunks = png::Decoder::new(Cursor::new(bytes)).read_info();
+            chunks.is_ok_and(|chunks| chunks.info().animation_control.is_some())
+        }
+        // The extended header's flag (RFC 9649, section 2.7).
+        ImageFormat::WebP => {
+            bytes.get(12..16) == Some(&b"VP8X"[..])
+                && bytes.get(20).is_some_and(|flags| flags & 2 != 0)
+        }
+        _ => false,
+    }
 }
 
 fn samples(
     path: &Path,
     bytes: &[u8],
     format: ImageFormat,
-) -> Result<(DynamicImage, Told), FileError> {
+) -> Result<(DynamicImage, Told, bool), FileError> {
     let kind = KINDS.iter().find(|(known, _)| *known == format).map_or("picture", |known| known.1);
     let damaged = "it seems damaged, or of a rare kind: export it again";
     let file = ImageBytes { path, bytes, format, kind, damaged };
@@ -51,18 +73,22 @@ fn samples(
         let problem = "JPEG: it ends before its picture does";
         return Err(FileError::malformed(path, "pixels", problem, CUT));
     }
-    let mut decoder = file.decoder()?;
-    let mut icc = decoder.icc_profile().ok().flatten();
-    if format == ImageFormat::Tiff {
-        // The decoder reads tags of bytes; profiles are tags of undefined type.
-        icc = icc.or_else(|| super::tiff::profile(bytes));
+    let facts = if format == ImageFormat::Tiff { tiff::facts(bytes) } else { None };
+    if facts.as_ref().is_some_and(|facts| facts.in_planes) {
+        // The decoder hands the planes over one after the other, as if they were side by side.
+        let problem = "TIFF: its colours are stored plane by plane";
+        let remedy = "save it with the colours of each pixel side by side (planar configuration 1)";
+        return Err(FileError::malformed(path, "header", problem, remedy));
     }
+    let mut decoder = file.decoder()?;
+    // The decoder reads tags of bytes; profiles are tags of undefined type.
+    let icc = decoder.icc_profile().ok().flatten().or(facts.and_then(|facts| facts.profile));
     let image = file.upright(decoder)?;
     let mut told = profile::read(bytes, format, icc.as_deref(), !image.color().has_color());
     if depth_is_float(&image) && icc.is_none() {
         told = profile::linear();
     }
-    Ok((image, told))
+    Ok((image, told, has_more(bytes, format)))
 }
 
 fn depth_is_float(image: &DynamicImage) -> bool {
@@ -126,7 +152,7 @@ struct Codes<'a, T> {
 impl<'a> Codes<'a, u8> {
     fn eight(encoding: &'a Encoding) -> Self {
         let table: Vec<f32> =
-            (0..=u8::MAX).map(|code| light(encoding, f64::from(code) / 255.0)).collect();
+            (0..=u8::MAX).map(|code| light(encoding, code.into(), 255.0)).collect();
         let light: Box<dyn Fn(u8) -> f32 + Send + Sync> = match encoding {
             Encoding::Srgb => Box::new(srgb::decode_8),
             _ => Box::new(move |code| table[usize::from(code)]),
@@ -138,7 +164,7 @@ impl<'a> Codes<'a, u8> {
 impl<'a> Codes<'a, u16> {
     fn sixteen(encoding: &'a Encoding) -> Self {
         let table: Vec<f32> =
-            (0..=u16::MAX).map(|code| light(encoding, f64::from(code) / 65535.0)).collect();
+            (0..=u16::MAX).map(|code| light(encoding, code.into(), 65535.0)).collect();
         let light: Box<dyn Fn(u16) -> f32 + Send + Sync> = match encoding {
             Encoding::Srgb => Box::new(srgb::decode_16),
             _ => Box::new(move |code| table[usize::from(code)]),
@@ -155,11 +181,17 @@ impl<'a> Codes<'a, f32> {
     }
 }
 
-/// Light of a share of the largest code, by the encoding's curve.
-fn light(encoding: &Encoding, share: f64) -> f32 {
+/// Light of a code, by the encoding's curve; `most` is the largest code.
+fn light(encoding: &Encoding, code: f64, most: f64) -> f32 {
     match encoding {
-        Encoding::Curve { transfer, .. } => transfer.decode(share) as f32,
-        Encoding::Srgb | Encoding::Icc { .. } => srgb::decode(share) as f32,
+        Encoding::Curve { transfer, narrow: true, .. } => {
+            // 16 and 219 of codes of 8 bits, and multiples of them by powers of two (ITU-T H.273, 8.3).
+            let unit = (most + 1.0) / 256.0;
+            let share = (code - 16.0 * unit) / (219.0 * unit);
+            transfer.decode(share.clamp(0.0, 1.0)) as f32
+        }
+        Encoding::Curve { transfer, .. } => transfer.decode(code / most) as f32,
+        Encoding::Srgb | Encoding::Icc { .. } => srgb::decode(code / most) as f32,
     }
 }
 
@@ -184,7 +216,7 @@ fn spread<T: Copy + Sync, const N: usize>(
             Encoding::Srgb => shown.iter_mut().zip(pixels).for_each(|(shown, pixel)| {
                 *shown = premultiplied(light(pixel), pixel);
             }),
-            Encoding::Curve { transfer, matrix } => {
+            Encoding::Curve { transfer, matrix, .. } => {
                 shown.iter_mut().zip(pixels).for_each(|(shown, pixel)| {
                     let seen = of_curve(light(pixel), *transfer, matrix.as_ref());
                     *shown = premultiplied(seen, pixel);

@@ -43,6 +43,13 @@ pub fn is_picture_name(path: &Path) -> bool {
     ENDINGS.iter().any(|known| extension.eq_ignore_ascii_case(known))
 }
 
+const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+
+/// Whether a file that begins with these bytes is a picture of a kind that is read.
+pub fn is_picture(start: &[u8]) -> bool {
+    start.starts_with(&EXR_MAGIC) || raster::kind(start).is_some()
+}
+
 /// Reads a PNG, JPEG, TIFF, WebP, BMP or OpenEXR file; the content decides which, not the name.
 ///
 /// Colours are converted to sRGB's primaries and to linear light: by the file's ICC profile, by PNG's cICP, gAMA and cHRM, by OpenEXR's
@@ -64,7 +71,6 @@ pub fn read_still(path: &Path) -> Result<Still, FileError> {
 /// # Errors
 /// As [`read_still`].
 pub fn decode_still(path: &Path, bytes: &[u8]) -> Result<Still, FileError> {
-    const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
     if bytes.is_empty() {
         return Err(FileError::malformed(path, "start", "the file is empty", "export it again"));
     }
@@ -341,6 +347,7 @@ mod tests {
 
     #[test]
     fn eight_and_sixteen_bit_files_come_back_as_they_were() {
+        samples().iter().for_each(|bytes| midair_peers::corpus::keep("pictures", &[bytes]));
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
         for bytes in &samples()[..3] {

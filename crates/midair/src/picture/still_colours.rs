@@ -42,6 +42,7 @@ fn with_chunks(png: &[u8], chunks: &[(&[u8; 4], Vec<u8>)]) -> Vec<u8> {
 }
 
 fn read(bytes: &[u8]) -> Still {
+    midair_peers::corpus::keep("pictures", &[bytes]);
     decode_still(Path::new("a.png"), bytes).unwrap()
 }
 
@@ -103,6 +104,11 @@ fn png_says_by_its_chunks_what_its_codes_are() {
     compare(&read(&above), exact, |code| code.map(curve));
     let above = with_chunks(&plain, &[points(1, 8), (b"sRGB", vec![0]), gamma(45_455)]);
     compare(&read(&above), exact, |code| code);
+    // Codes of films' range: 16 is black, 235 is white.
+    let narrow = with_chunks(&plain, &[(b"cICP", vec![1, 13, 0, 0])]);
+    compare(&read(&narrow), exact, |code| {
+        code.map(|c| curve(((255.0 * c - 16.0) / 219.0).clamp(0.0, 1.0)))
+    });
     // What is not known is told.
     let still = read(&with_chunks(&plain, &[points(1, 77)]));
     compare(&still, exact, |code| code.map(curve));
@@ -341,6 +347,26 @@ fn a_picture_is_found_in_layers_parts_and_spellings() {
             &colours(["ViewLayer.Combined.R", "ViewLayer.Combined.G", "ViewLayer.Combined.B"]),
         )],
         vec![part(None, &blender)],
+        // What Blender's compositor made stands beside what it was made of.
+        vec![part(
+            None,
+            &[
+                ("Composite.Combined.R", 0.5),
+                ("Composite.Combined.G", 0.25),
+                ("Composite.Combined.B", 0.125),
+                ("ViewLayer.Combined.R", 9.0),
+                ("ViewLayer.Combined.G", 9.0),
+                ("ViewLayer.Combined.B", 9.0),
+            ],
+        )],
+        vec![
+            part(Some("left"), &[r, g, b]),
+            part(Some("right"), &[("R", 9.0), ("G", 9.0), ("B", 9.0)]),
+        ],
+        vec![
+            part(Some("specular"), &[("R", 9.0), ("G", 9.0), ("B", 9.0)]),
+            part(Some("beauty"), &[r, g, b]),
+        ],
         vec![part(None, &[r, g, b, ("diffuse.R", 9.0), ("diffuse.G", 9.0), ("diffuse.B", 9.0)])],
         vec![part(Some("depth"), &[("Z", 9.0)]), part(Some("rgba"), &[r, g, b])],
         vec![
@@ -352,6 +378,10 @@ fn a_picture_is_found_in_layers_parts_and_spellings() {
         let still = read(&exr(file, None));
         assert_eq!(still.picture.pixels, [[0.5, 0.25, 0.125, 1.0]; 6], "{i}");
     }
+    // Which of several was read is told, even if it is the first.
+    let two = [("left", 0.5), ("right", 0.25)];
+    let two = two.map(|(name, light)| part(Some(name), &["R", "G", "B"].map(|c| (c, light))));
+    assert!(read(&exr(two.to_vec(), None)).notes[0].contains("left"));
     for names in ["Y", "luminance.Y", "y"] {
         assert_eq!(
             read(&exr(vec![part(None, &[(names, 0.5)])], None)).picture.pixels,

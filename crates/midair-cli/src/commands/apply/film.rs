@@ -13,7 +13,7 @@ use midair::map::Map;
 use midair::map::format::FileError;
 use midair::picture::{Curve, Depth, Evening, Sequence, read_still, wide, write_still};
 use midair_video::{
-    Colour, Encoder, Extras, Film, Joining, Recipe, VideoError, coded, join, probe,
+    Colour, Encoder, Extras, Film, Joining, Recipe, VideoError, coded, is_avi, join, probe,
 };
 use serde_json::{Value, json};
 use std::path::Path;
@@ -110,8 +110,11 @@ pub fn into_stills(arguments: &Arguments, to: &Sequence, voice: Voice) -> Result
         .map_err(|error| FileError::io(to.folder(), "create", error))?;
     let job = parts::begin(arguments, &map)?;
     crate::output::on_interrupt_say("interrupted; the same command with --resume goes on");
-    let mut warper = Warper::new(arguments, &map, film.size, evening, deep, curve)?;
-    let frames = Frames::of_film(&film, deep, 0)?;
+    let anything = job.resumed;
+    let (job, (mut warper, frames)) = parts::prepared(job, anything, |_| {
+        let warper = Warper::new(arguments, &map, film.size, evening, deep, curve)?;
+        Ok((warper, Frames::of_film(&film, deep, 0)?))
+    })?;
     let matrix = film.colour.wide_primaries().and_then(|primaries| primaries.to_srgb());
     let wide = is_exr(&arguments.output);
     let (start, bar) = (Instant::now(), Bar::new());
@@ -219,19 +222,6 @@ impl Work<'_> {
         crate::output::on_interrupt_say("interrupted; the same command with --resume goes on");
         let mut pieces = parts::pieces(&job, extension);
         let resumed: u64 = pieces.iter().map(|piece| piece.frames).sum();
-        let mut warper = Warper::new(
-            arguments,
-            self.map,
-            size,
-            self.evening.clone(),
-            self.deep,
-            self.colour.curve(),
-        )?;
-        if let Some(extras) = extras {
-            extras
-                .check(&job.path(format!("trial.{extension}")))
-                .map_err(|error| self.join_failed(error))?;
-        }
         let usual = Recipe {
             size: [self.map.width, self.map.height],
             deep: self.deep,
@@ -241,16 +231,31 @@ impl Work<'_> {
             options: &arguments.encoder,
             coded: None,
         };
-        let coded = coded(&job.path(format!("trial.{extension}")), &usual)
-            .map_err(|error| self.encoder_failed(error))?;
-        let frames = source(resumed)?;
+        let (job, (mut warper, coded, frames)) = parts::prepared(job, resumed > 0, |job| {
+            let warper = Warper::new(
+                arguments,
+                self.map,
+                size,
+                self.evening.clone(),
+                self.deep,
+                self.colour.curve(),
+            )?;
+            let trial = job.path(format!("trial.{extension}"));
+            if let Some(extras) = extras {
+                extras.check(&trial).map_err(|error| self.join_failed(error))?;
+            }
+            let coded = coded(&trial, &usual).map_err(|error| self.encoder_failed(error))?;
+            Ok((warper, coded, source(resumed)?))
+        })?;
         let (start, bar) = (Instant::now(), Bar::new());
         let left = self.total.map_or(0, |total| total.saturating_sub(resumed));
         bar.stage("frames", left.max(2) as usize);
         let (mut count, mut last) = (resumed, f64::INFINITY);
         let mut next = frames.frames.recv().ok();
         while let Some((_, timing)) = &next {
-            let (begin, base) = (timing.seconds(), timing.base);
+            let begin = timing.seconds();
+            // An AVI's pictures come in even steps.
+            let base = if is_avi(&arguments.output) { usual.base } else { timing.base };
             let index = pieces.len();
             let making = job.path(&Piece::names(index, extension)[0]);
             let recipe = Recipe { base, coded: Some(&coded), ..usual.clone() };
@@ -292,7 +297,9 @@ impl Work<'_> {
         // Where all was made before, the last piece's beginning is all that is known of its end.
         let last = if last.is_finite() { last } else { pieces.last().map_or(0.0, |p| p.start) };
         let end = self.end(last);
-        let joining = Joining { parts: &parts, start: begin, last, end, frames: count, extras };
+        let rate = self.rate;
+        let joining =
+            Joining { parts: &parts, start: begin, last, end, frames: count, rate, extras };
         join(&joining, &job.path("pieces.txt"), &joined)
             .map_err(|error| self.join_failed(error))?;
         job.publish(format!("joined.{extension}"), &arguments.output)?;

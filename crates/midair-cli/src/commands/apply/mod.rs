@@ -12,7 +12,8 @@ use crate::summary::Voice;
 use clap::ValueEnum;
 use midair::map::format::{Format, Reading};
 use midair::map::{Gain, Map};
-use midair::picture::{Evening, Filter, READ, Sequence, is_picture_name};
+use midair::picture::{Evening, Filter, READ, Sequence, is_picture, is_picture_name};
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 /// Apply a map to a still, a film or numbered stills: what the display must show
@@ -160,6 +161,19 @@ impl Kind {
             _ => Self::Film,
         }
     }
+
+    /// What a file is that is there: where its name does not end in anything, by its first bytes.
+    fn of_input(path: &Path) -> Self {
+        let first = |path: &Path| -> std::io::Result<Vec<u8>> {
+            let mut start = Vec::new();
+            std::fs::File::open(path)?.take(64).read_to_end(&mut start)?;
+            Ok(start)
+        };
+        match path.extension() {
+            None if first(path).is_ok_and(|start| is_picture(&start)) => Self::Still,
+            _ => Self::of(path),
+        }
+    }
 }
 
 /// Kinds of picture that are not read, by the ends of their names, and that ffmpeg would take for short films.
@@ -229,7 +243,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         return mismatch("this is the input as well", "give the output another name");
     }
     check_input(&arguments.input)?;
-    match (Kind::of(&arguments.input), Kind::of(&arguments.output)) {
+    match (Kind::of_input(&arguments.input), Kind::of(&arguments.output)) {
         (Kind::Still, Kind::Still) => stills::one(arguments, voice),
         (Kind::Still, _) => mismatch("one picture makes one picture", "name a .png or .exr file"),
         (Kind::Stills(from), Kind::Stills(to)) => stills::each(arguments, &from, &to, voice),

@@ -17,6 +17,24 @@ pub fn begin(arguments: &Arguments, map: &Map) -> Result<Kept, Failure> {
     Ok(Kept::begin(&arguments.output, &work, arguments.resume, inputs())?)
 }
 
+/// What must succeed before the work. Where it does not, and there is nothing to go on with, the pieces' folder goes.
+pub fn prepared<T>(
+    kept: Kept,
+    anything: bool,
+    prepare: impl FnOnce(&Kept) -> Result<T, Failure>,
+) -> Result<(Kept, T), Failure> {
+    match prepare(&kept) {
+        Ok(ready) => Ok((kept, ready)),
+        Err(failure) => {
+            if !anything {
+                // Why it cannot be is what is to be told.
+                let _ = kept.finish();
+            }
+            Err(failure)
+        }
+    }
+}
+
 /// The pieces of a film that are complete, from the first on without a gap.
 pub fn pieces(kept: &Kept, extension: &str) -> Vec<Piece> {
     (0..).map_while(|index| Piece::read(kept, index, extension)).collect()

@@ -5,8 +5,9 @@
 //! and more faces, surfaces that have no two sides.
 
 use super::measure::{bounds, winding_number};
-use super::overlap::overlapping;
+use super::overlap::{crossing_itself, overlapping};
 use super::read::NO_NORMAL;
+use super::wedges::{self, Face};
 use super::{MeshError, RawMesh, TriangleMesh};
 use crate::geometry::Vec3;
 use std::collections::HashMap;
@@ -39,6 +40,8 @@ pub struct Mended {
     pub hollows: usize,
     /// Pairs of closed pieces that overlap or touch, each named by one of its faces.
     pub overlaps: Vec<String>,
+    /// A face at which a closed piece's surface crosses itself.
+    pub crossing: Option<String>,
 }
 
 impl Mended {
@@ -75,6 +78,11 @@ impl Mended {
                 listed(&self.overlaps)
             ));
         }
+        if let Some(face) = &self.crossing {
+            notes.push(format!(
+                "its surface crosses itself, first at {face}: what it winds around, once or more often, is taken as one solid"
+            ));
+        }
         notes
     }
 }
@@ -99,8 +107,8 @@ const MOST_PIECES: usize = 2000;
 /// Checks and mends a mesh; `file` names it in messages.
 ///
 /// Each connected piece is wound consistently, and outward by its volume. A closed piece within
-/// an odd number of others is a hollow: wound inward. Pieces that overlap stay outward and are one solid, their union: see
-/// [`TriangleMesh::bodies`].
+/// an odd number of others is a hollow: wound inward. Pieces that overlap stay outward and are one solid, their union, and so is one whose surface
+/// crosses itself: see [`TriangleMesh::bodies`].
 ///
 /// # Errors
 /// Slivers of no area; for a closed surface also holes, edges that more than two faces share, and
@@ -115,26 +123,8 @@ pub fn mend(
     let tolerance = (high - low).length() * TOLERANCE;
     let representative = merge(&raw.positions, tolerance);
 
-    let mut triangles = Vec::with_capacity(raw.triangles.len());
-    // For each kept triangle its place in the file's own list.
-    let mut origin = Vec::with_capacity(raw.triangles.len());
-    let mut seen = std::collections::HashSet::with_capacity(raw.triangles.len());
-    for (i, triangle) in raw.triangles.iter().enumerate() {
-        let t = triangle.map(|v| representative[v as usize]);
-        if t[0] == t[1] || t[1] == t[2] || t[2] == t[0] {
-            mended.collapsed_faces.push(raw.face_name(i));
-            continue;
-        }
-        let mut sorted = t;
-        sorted.sort_unstable();
-        if !seen.insert(sorted) {
-            mended.repeated_faces.push(raw.face_name(i));
-            continue;
-        }
-        triangles.push(t);
-        origin.push(i);
-    }
-    let name = |t: usize| raw.face_name(origin[t]);
+    let Kept { mut triangles, mut origin, collapsed, mut repeated, opposite } =
+        Kept::of(&raw, &representative, false);
     if triangles.is_empty() {
         return Err(MeshError::new(
             file,
@@ -142,8 +132,24 @@ pub fn mend(
             "check the file's coordinates",
         ));
     }
-    slivers(&raw.positions, &triangles, tolerance, file, &name)?;
-    let neighbours = neighbours(&raw.positions, &triangles, file, surface, &name)?;
+    slivers(&raw.positions, &triangles, tolerance, file, &|t| raw.face_name(origin[t]))?;
+    let joined = |triangles: &[[u32; 3]], origin: &[usize]| {
+        neighbours(&raw.positions, triangles, file, surface, &|t| raw.face_name(origin[t]))
+    };
+    let joined_as_kept = joined(&triangles, &origin);
+    let (neighbours, parted) = match joined_as_kept {
+        // Two faces upon one another and wound against each other may be the wall between two solids that touch.
+        Err(error) if opposite => {
+            let walls = Kept::of(&raw, &representative, true);
+            let opened = joined(&walls.triangles, &walls.origin).map_err(|_| error)?;
+            (triangles, origin, repeated) = (walls.triangles, walls.origin, walls.repeated);
+            opened
+        }
+        found => found?,
+    };
+    mended.collapsed_faces = collapsed.iter().map(|&i| raw.face_name(i)).collect();
+    mended.repeated_faces = repeated.iter().map(|&i| raw.face_name(i)).collect();
+    let name = |t: usize| raw.face_name(origin[t]);
     let pieces = pieces(&triangles, &neighbours, file, surface, &name)?;
     let turned = orient(&raw.positions, &triangles, &neighbours, &pieces, file, &name)?;
     mended.hollows = turned.hollows;
@@ -154,7 +160,16 @@ pub fn mend(
         }
     }
     mended.inside_out = mended.flipped_faces.len() == triangles.len();
-    let (mut mesh, used) = compacted(&raw.positions, triangles);
+    let mut positions = std::borrow::Cow::Borrowed(&raw.positions);
+    let added = match parted {
+        true => wedges::part(positions.to_mut(), &mut triangles, |t, k| {
+            // Turned triangles have their last two corners exchanged.
+            let k = if turned.flip[t] { 2 - k } else { k };
+            neighbours[t][k].map(|(other, _)| other as usize)
+        }),
+        false => 0,
+    };
+    let (mut mesh, used) = compacted(&positions, triangles);
     if !raw.normals.is_empty() {
         let given = |t: usize| {
             let [a, b, c] = raw.normals.get(origin[t]).copied().unwrap_or([NO_NORMAL; 3]);
@@ -171,12 +186,73 @@ pub fn mend(
         let overlaps = overlapping(&mesh, &bodies);
         let told = |&[a, b]: &[u32; 2]| format!("that of {} and that of {}", first(a), first(b));
         mended.overlaps = overlaps.iter().map(told).collect();
-        mesh.bodies = (!overlaps.is_empty()).then_some(bodies);
+        mended.crossing = crossing_itself(&mesh, &bodies).map(name);
+        let several = !overlaps.is_empty() || mended.crossing.is_some();
+        mesh.bodies = several.then_some(bodies);
     }
     let merged = representative.iter().enumerate().filter(|&(v, &r)| v != r as usize).count();
     mended.merged_vertices = merged;
-    mended.unused_vertices = raw.positions.len() - merged - used;
+    mended.unused_vertices = raw.positions.len() + added - merged - used;
     Ok((mesh, mended))
+}
+
+/// The triangles that make up the surface.
+struct Kept {
+    triangles: Vec<[u32; 3]>,
+    /// For each its place in the file's own list.
+    origin: Vec<usize>,
+    /// Places of triangles with corners at one place.
+    collapsed: Vec<usize>,
+    /// Places of triangles with the corners of an earlier one.
+    repeated: Vec<usize>,
+    /// Whether one of these is wound against the earlier one.
+    opposite: bool,
+}
+
+impl Kept {
+    /// `walls`: two triangles upon one another that are wound against each other both go.
+    fn of(raw: &RawMesh, representative: &[u32], walls: bool) -> Self {
+        let count = raw.triangles.len();
+        let (mut triangles, mut origin) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let (mut collapsed, mut repeated, mut opposite) = (Vec::new(), Vec::new(), false);
+        // The sense and the place of the triangle that is kept, by its corners.
+        let mut seen: HashMap<[u32; 3], (bool, usize)> = HashMap::with_capacity(count);
+        let mut gone = std::collections::HashSet::new();
+        for (i, triangle) in raw.triangles.iter().enumerate() {
+            let t = triangle.map(|v| representative[v as usize]);
+            if t[0] == t[1] || t[1] == t[2] || t[2] == t[0] {
+                collapsed.push(i);
+                continue;
+            }
+            let mut sorted = t;
+            sorted.sort_unstable();
+            let least = (0..3).min_by_key(|&k| t[k]).unwrap_or(0);
+            let sense = t[(least + 1) % 3] < t[(least + 2) % 3];
+            if let Some(&(earlier, place)) = seen.get(&sorted) {
+                repeated.push(i);
+                opposite |= earlier != sense;
+                if walls && earlier != sense {
+                    seen.remove(&sorted);
+                    gone.insert(place);
+                }
+                continue;
+            }
+            seen.insert(sorted, (sense, triangles.len()));
+            triangles.push(t);
+            origin.push(i);
+        }
+        let stays = |k: &usize| !gone.contains(k);
+        repeated.extend(gone.iter().map(|&k| origin[k]));
+        repeated.sort_unstable();
+        let kept: Vec<usize> = (0..triangles.len()).filter(stays).collect();
+        Self {
+            triangles: kept.iter().map(|&k| triangles[k]).collect(),
+            origin: kept.iter().map(|&k| origin[k]).collect(),
+            collapsed,
+            repeated,
+            opposite,
+        }
+    }
 }
 
 /// For each vertex the first one that stands within `tolerance` of it.
@@ -248,13 +324,14 @@ fn slivers(
 /// The triangle across each edge (corner k to k + 1), and whether the two are wound alike.
 type Neighbours = Vec<[Option<(u32, bool)>; 3]>;
 
+/// And whether solids that touch along an edge were told apart there.
 fn neighbours(
     positions: &[Vec3],
     triangles: &[[u32; 3]],
     file: &str,
     surface: Surface,
     name: &dyn Fn(usize) -> String,
-) -> Result<Neighbours, MeshError> {
+) -> Result<(Neighbours, bool), MeshError> {
     struct Side {
         edge: [u32; 2],
         triangle: u32,
@@ -275,6 +352,7 @@ fn neighbours(
     }
     sides.sort_unstable_by_key(|s| (s.edge, s.triangle, s.k));
     let mut neighbours: Neighbours = vec![[None; 3]; triangles.len()];
+    let mut parted = false;
     let mut holes: Option<(u32, [u32; 2])> = None;
     let mut open_edges = 0usize;
     for group in sides.chunk_by(|a, b| a.edge == b.edge) {
@@ -293,6 +371,20 @@ fn neighbours(
             }
             _ if surface == Surface::Open => {}
             [first, rest @ ..] => {
+                let [from, to] = first.edge.map(|v| positions[v as usize]);
+                let face = |side: &Side| {
+                    let third = triangles[side.triangle as usize][(side.k as usize + 2) % 3];
+                    Face { outward: positions[third as usize] - from, forward: side.forward }
+                };
+                let faces: Vec<Face> = group.iter().map(face).collect();
+                if let Some(pairs) = wedges::pairs(to - from, &faces) {
+                    parted = true;
+                    for [a, b] in pairs.iter().map(|pair| pair.map(|k| &group[k])) {
+                        neighbours[a.triangle as usize][a.k as usize] = Some((b.triangle, true));
+                        neighbours[b.triangle as usize][b.k as usize] = Some((a.triangle, true));
+                    }
+                    continue;
+                }
                 let others: Vec<String> = rest.iter().map(|s| name(s.triangle as usize)).collect();
                 return Err(MeshError::new(
                     file,
@@ -321,7 +413,7 @@ fn neighbours(
             "close the holes (in Blender: Mesh > Clean Up > Fill Holes) and export again; a \
              mirror may have borders",
         )),
-        _ => Ok(neighbours),
+        _ => Ok((neighbours, parted)),
     }
 }
 

@@ -19,6 +19,7 @@ mod stl;
 #[cfg(test)]
 mod tests;
 mod text;
+mod wedges;
 
 pub use error::MeshError;
 pub use mend::{Mended, Surface, mend};
@@ -40,7 +41,7 @@ pub struct TriangleMesh {
     pub normals: Option<Vec<[Vec3; 3]>>,
     /// For each triangle the normals that the file gives at its corners, of any length and sense, NaN where it gives none; empty without any.
     pub given_normals: Vec<[Vec3; 3]>,
-    /// For each triangle the closed body that it bounds, where bodies overlap or touch; the solid is then their union.
+    /// For each triangle the closed body that it bounds, where bodies overlap or touch or one crosses itself; the solid is then what they wind around.
     pub bodies: Option<Vec<u32>>,
 }
 

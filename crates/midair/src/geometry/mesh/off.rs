@@ -14,8 +14,18 @@ struct Kind {
     homogeneous: bool,
 }
 
+impl Kind {
+    /// How many numbers of a vertex count.
+    fn numbers(self) -> usize {
+        let coordinates = if self.homogeneous { 4 } else { 3 };
+        coordinates + if self.normals { 3 } else { 0 }
+    }
+}
+
 /// The kind that a header's word names; `Err` for one that is not read here.
 fn kind(word: &str) -> Option<Result<Kind, &'static str>> {
+    // Geomview tells n from N; where all is small there is nothing to tell.
+    let word = if word.eq_ignore_ascii_case("off") { "OFF" } else { word };
     let mut letters = word.strip_suffix("OFF")?;
     let mut kind = Kind::default();
     while !letters.is_empty() {
@@ -34,16 +44,61 @@ fn kind(word: &str) -> Option<Result<Kind, &'static str>> {
     Some(Ok(kind))
 }
 
+/// A line's words, without its comment, and its number.
+type Line<'a> = (u32, Vec<&'a str>);
+
+/// The lines that have words.
+fn written(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
+    lines(bytes)
+        .map(|(number, line)| (number, line.split(|&b| b == b'#').next().unwrap_or_default()))
+        .map(|(number, line)| (number, words(line).collect()))
+        .filter(|(_, words): &Line| !words.is_empty())
+}
+
+/// A text that is laid out freely as lines of one vertex or face each; `None` for one that is not.
+///
+/// Colours end where their line does, so lines count. A text with fewer of them than it has vertices and faces has no colours: then its numbers are
+/// those of vertices and faces, and no more.
+fn laid_out(bytes: &[u8]) -> Option<Vec<Line<'_>>> {
+    let all = || written(bytes).flat_map(|(line, words)| words.into_iter().map(move |w| (line, w)));
+    let header = all().next().filter(|(_, word)| kind(word).is_some());
+    let kind = match header.and_then(|(_, word)| kind(word)) {
+        Some(found) => found.ok()?,
+        None => Kind::default(),
+    };
+    let mut rest = all().skip(usize::from(header.is_some()));
+    let counts: Vec<(u32, &str)> = rest.by_ref().take(3).collect();
+    let [vertices, faces] = [0, 1].map(|k| counts.get(k).and_then(|c| c.1.parse::<usize>().ok()));
+    let (vertices, faces) = (vertices?, faces?);
+    let fewest = vertices.checked_add(faces)?;
+    if written(bytes).take(fewest).count() == fewest {
+        return None;
+    }
+    let mut laid: Vec<Line> = header.iter().map(|&(line, word)| (line, vec![word])).collect();
+    laid.push((counts[0].0, counts.iter().map(|&(_, word)| word).collect()));
+    for _ in 0..vertices {
+        let (line, first) = rest.next()?;
+        let more = rest.by_ref().take(kind.numbers() - 1).map(|(_, word)| word);
+        laid.push((line, std::iter::once(first).chain(more).collect()));
+    }
+    for _ in 0..faces {
+        let (line, count) = rest.next()?;
+        let corners = rest.by_ref().take(count.parse().ok()?).map(|(_, word)| word);
+        laid.push((line, std::iter::once(count).chain(corners).collect()));
+    }
+    rest.next().is_none().then_some(laid)
+}
+
 pub(super) fn read(bytes: &[u8], file: &str) -> Result<RawMesh, MeshError> {
     let bytes = &*plain(bytes);
-    let mut lines = lines(bytes)
-        .map(|(number, line)| (number, line.split(|&b| b == b'#').next().unwrap_or_default()))
-        .filter(|(_, line)| words(line).next().is_some());
+    let mut lines: Box<dyn Iterator<Item = Line>> = match laid_out(bytes) {
+        Some(laid) => Box::new(laid.into_iter()),
+        None => Box::new(written(bytes)),
+    };
     let at = |line: u32, what: String| MeshError::syntax(file, format!("line {line}: {what}"));
 
     let end = || MeshError::syntax(file, "ends too early");
-    let (mut line_number, line) = lines.next().ok_or_else(end)?;
-    let mut header: Vec<&str> = words(line).collect();
+    let (mut line_number, mut header) = lines.next().ok_or_else(end)?;
     let kind = match kind(header[0]) {
         Some(found) => {
             header.remove(0);
@@ -68,8 +123,7 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<RawMesh, MeshError> {
     };
     // The counts may stand on the header's own line.
     if header.is_empty() {
-        let (number, line) = lines.next().ok_or_else(end)?;
-        (line_number, header) = (number, words(line).collect());
+        (line_number, header) = lines.next().ok_or_else(end)?;
     }
     let count = |k: usize| header.get(k).and_then(|word| word.parse::<u64>().ok());
     let (Some(vertices), Some(faces)) = (count(0), count(1)) else {
@@ -85,7 +139,7 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<RawMesh, MeshError> {
     let mut raw = RawMesh::default();
     let mut normals = Vec::new();
     let coordinates = if kind.homogeneous { 4 } else { 3 };
-    let needed = coordinates + if kind.normals { 3 } else { 0 };
+    let needed = kind.numbers();
     for v in 0..vertices {
         let mut numbers: Vec<f64> = Vec::with_capacity(needed);
         // What is more on the last line is a colour or a texture's.
@@ -94,7 +148,7 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<RawMesh, MeshError> {
                 MeshError::syntax(file, format!("ends after {v} of {vertices} vertices"))
             })?;
             let missing = needed - numbers.len();
-            for word in words(line).take(missing) {
+            for word in line.iter().take(missing) {
                 numbers.push(number(word).ok_or_else(|| {
                     at(number_of_line, format!("vertex {v} needs {needed} numbers"))
                 })?);
@@ -111,7 +165,7 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<RawMesh, MeshError> {
     for face in 0..faces {
         let ends = || MeshError::syntax(file, format!("ends after {face} of {faces} faces"));
         let (number_of_line, line) = lines.next().ok_or_else(ends)?;
-        let mut found = words(line);
+        let mut found = line.iter();
         let count = found.next().and_then(|word| word.parse::<usize>().ok()).unwrap_or(0);
         corners.clear();
         // What follows the corners is a colour.

@@ -1,8 +1,9 @@
-//! Which of a mesh's closed bodies overlap or touch.
+//! Which of a mesh's closed bodies overlap or touch, and which cross themselves.
 
 use super::TriangleMesh;
 use super::measure::bounds;
 use crate::geometry::{MeshSurface, Ray, Search, Vec3};
+use rayon::prelude::*;
 
 /// Bodies nearer than this share of the mesh's extent touch: single precision resolves 6e-8.
 pub(in crate::geometry) const TOUCHING: f64 = 1e-6;
@@ -58,6 +59,26 @@ pub(super) fn overlapping(mesh: &TriangleMesh, bodies: &[u32]) -> Vec<[u32; 2]> 
         }
     }
     found
+}
+
+/// The first triangle of which an edge goes through another face of the same body: its surface crosses itself.
+pub(super) fn crossing_itself(mesh: &TriangleMesh, bodies: &[u32]) -> Option<usize> {
+    let [low, high] = mesh.bounds();
+    let margin = TOUCHING * (high - low).length();
+    let surface = MeshSurface::new(mesh);
+    (0..mesh.triangles.len()).into_par_iter().find_first(|&t| {
+        let triangle = mesh.triangles[t];
+        (0..3).any(|k| {
+            let edge = [triangle[k], triangle[(k + 1) % 3]];
+            let counts = |face: u32| {
+                let other = &mesh.triangles[face as usize];
+                bodies[face as usize] == bodies[t] && !edge.iter().any(|v| other.contains(v))
+            };
+            // Each edge is one of two triangles, walked both ways: once is enough.
+            edge[0] < edge[1]
+                && surface.is_pierced(edge.map(|v| mesh.positions[v as usize]), margin, counts)
+        })
+    })
 }
 
 /// Whether the line between two points, a little longer at both ends, crosses a surface.

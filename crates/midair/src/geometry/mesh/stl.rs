@@ -61,7 +61,7 @@ fn read_binary(bytes: &[u8], file: &str) -> Result<RawMesh, MeshError> {
     Ok(raw)
 }
 
-/// Words, wherever the lines end: only names take the rest of theirs.
+/// Words, wherever the lines end: only names, comments and colours take the rest of theirs.
 fn read_text(bytes: &[u8], file: &str) -> Result<RawMesh, MeshError> {
     let mut raw = RawMesh::default();
     let mut face = 0u32;
@@ -76,7 +76,8 @@ fn read_text(bytes: &[u8], file: &str) -> Result<RawMesh, MeshError> {
                 format!("line {line_number}: face {face} (counted from 1) {what}"),
             )
         };
-        let mut words = words(line);
+        let mut words = words(line).collect::<Vec<_>>().into_iter();
+        let is = |word: &&str, wanted: &[&str]| wanted.iter().any(|w| word.eq_ignore_ascii_case(w));
         while let Some(word) = words.next() {
             match &*word.to_ascii_lowercase() {
                 name @ ("solid" | "endsolid") => {
@@ -84,6 +85,16 @@ fn read_text(bytes: &[u8], file: &str) -> Result<RawMesh, MeshError> {
                         return Err(bad(face, "does not end"));
                     }
                     solid = name == "solid";
+                    // A name takes the rest of the line, unless the whole file is one.
+                    if !words.as_slice().iter().any(|word| is(word, &["outer"])) {
+                        break;
+                    }
+                    let name = words.as_slice().iter();
+                    let length = name.take_while(|word| !is(word, &["facet", "solid"])).count();
+                    words.by_ref().take(length).for_each(drop);
+                }
+                "end" if !within && words.as_slice().first().is_some_and(|w| is(w, &["solid"])) => {
+                    solid = false;
                     break;
                 }
                 "facet" if within => return Err(bad(face, "does not end")),
@@ -111,8 +122,8 @@ fn read_text(bytes: &[u8], file: &str) -> Result<RawMesh, MeshError> {
                 "normal" | "outer" | "loop" | "endloop" if within => {}
                 // What follows "normal".
                 word if within && corners.is_empty() && number(word).is_some() => {}
-                // Comments, as some programs write them.
-                word if !within && word.starts_with(['#', ';', '/']) => break,
+                // Comments and colours, as some programs write them.
+                word if !within && (word.starts_with(['#', ';', '/']) || word == "color") => break,
                 word => {
                     let what: String = word.chars().take(20).collect();
                     return Err(bad(

@@ -401,6 +401,7 @@ fn samples() -> Vec<(MeshFormat, Vec<u8>)> {
 #[test]
 fn every_format_gives_the_same_cube() {
     for (i, (format, bytes)) in samples().into_iter().enumerate() {
+        midair_peers::corpus::keep("meshes", &[&[format as u8], &bytes]);
         let raw = read(&bytes, format, "cube", None).unwrap_or_else(|e| panic!("{i}: {e}"));
         assert_eq!(raw.triangles.len(), 12, "{i}");
         let (mesh, mended) = closed(raw).unwrap();

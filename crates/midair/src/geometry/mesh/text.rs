@@ -26,8 +26,8 @@ pub(super) fn lines(bytes: &[u8]) -> impl Iterator<Item = (u32, &[u8])> {
 
 /// The words of a line; one that is not text is like a keyword that is not known.
 pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &str> {
-    // A file may end in the mark that DOS set there.
-    line.split(|b| b.is_ascii_whitespace() || *b == 0x1a)
+    // A file may end in the mark that DOS set there, or in zeros that fill its last block.
+    line.split(|b| b.is_ascii_whitespace() || matches!(b, 0 | 0x1a))
         .filter(|word| !word.is_empty())
         .map(|word| std::str::from_utf8(word).unwrap_or("\u{fffd}"))
 }

@@ -54,6 +54,11 @@ impl Layer {
         let title = self.title(file).to_ascii_lowercase();
         MAIN.contains(&title.rsplit(['.', '/']).next().unwrap_or_default())
     }
+
+    /// Blender's compositor puts what it made beside the layers that it made it from.
+    fn is_composite(&self) -> bool {
+        self.name.to_ascii_lowercase().starts_with("composite.")
+    }
 }
 
 /// The layers of all flat parts, in the file's order.
@@ -85,17 +90,22 @@ fn names(file: &ExrFile) -> String {
     }
 }
 
-/// The one layer of several that is meant: the one without a name, else what tools call the picture itself, else the only one.
+/// The one layer of several that is meant: the one without a name (of several parts what tools call the picture itself, else the first), else what
+/// tools call the picture itself, else the only one.
 fn choose<'l>(
     path: &Path,
     file: &ExrFile,
     found: &[&'l Layer],
     what: &str,
 ) -> Result<Option<&'l Layer>, FileError> {
-    if let Some(plain) = found.iter().find(|layer| layer.name.is_empty()) {
-        return Ok(Some(plain));
+    let mut plain = found.iter().filter(|layer| layer.name.is_empty());
+    if let Some(first) = plain.clone().next() {
+        return Ok(Some(plain.find(|layer| layer.is_main(file)).unwrap_or(first)));
     }
-    let main: Vec<_> = found.iter().filter(|layer| layer.is_main(file)).collect();
+    let mut main: Vec<_> = found.iter().filter(|layer| layer.is_main(file)).collect();
+    if main.iter().filter(|layer| layer.is_composite()).count() == 1 {
+        main.retain(|layer| layer.is_composite());
+    }
     match (found, main.as_slice()) {
         ([], _) => Ok(None),
         ([only], _) => Ok(Some(only)),
@@ -164,11 +174,17 @@ pub(crate) fn read_picture(path: &Path, file: &ExrFile) -> Result<PictureChannel
     let alpha = layer.find(ALPHA).map(str::to_owned);
     let all: Vec<&str> = colours.iter().chain(&alpha).map(String::as_str).collect();
     let channels = file.read(layer.part, &all, 0.0)?;
-    let title = (!layer.name.is_empty() || layer.part > 0).then(|| layer.title(file));
-    Ok(PictureChannels { channels, colours, alpha, layer: title })
+    Ok(PictureChannels { channels, colours, alpha, layer: layer.told(file, &layers) })
 }
 
 impl Layer {
+    /// Its title, where it is not the file's only plain one.
+    fn told(&self, file: &ExrFile, all: &[Layer]) -> Option<String> {
+        let alike = |other: &&Layer| other.name.is_empty() && other.has(&[RED, GREEN]);
+        let several = all.iter().filter(alike).count() > 1;
+        (!self.name.is_empty() || self.part > 0 || several).then(|| self.title(file))
+    }
+
     fn find_plain(&self, base: &str) -> Option<&str> {
         self.channels.iter().find(|channel| channel.1 == base).map(|channel| channel.0.as_str())
     }
@@ -199,7 +215,9 @@ pub(crate) fn read_map_channels(
         layers.iter().filter(|layer| layer.has(wanted)).collect()
     };
     let (coded, named) = (having(&[RED, GREEN]), having(&[U, V]));
-    let plain = coded.iter().copied().find(|layer| layer.name.is_empty());
+    let mut plains = coded.iter().copied().filter(|layer| layer.name.is_empty());
+    let first = plains.clone().next();
+    let plain = plains.find(|layer| layer.is_main(file)).or(first);
     let read = |layer: &Layer, [u, v]: [Spellings; 2]| -> Result<MapChannels, FileError> {
         let name = |spellings: Spellings| layer.find(spellings).map(str::to_owned);
         let (u, v) = (name(u).unwrap_or_default(), name(v).unwrap_or_default());
@@ -208,8 +226,8 @@ pub(crate) fn read_map_channels(
         let mut wanted: Vec<&str> = wanted.into_iter().flatten().map(String::as_str).collect();
         wanted.extend(more);
         let channels = file.read(layer.part, &wanted, f32::NAN)?;
-        let title = (!layer.name.is_empty() || layer.part > 0).then(|| layer.title(file));
-        Ok(MapChannels { channels, u, v, blue, alpha, layer: title, notes: Vec::new() })
+        let told = layer.told(file, &layers);
+        Ok(MapChannels { channels, u, v, blue, alpha, layer: told, notes: Vec::new() })
     };
     if let Some(plain) = plain {
         let mut map = read(plain, [RED, GREEN])?;

@@ -217,25 +217,37 @@ const EDGE: f64 = 1e-6;
 /// Takes pixels whose answer lies off the source as outside. Where they are no answers but a ring around them, they stay.
 fn keep_within_source(path: &Path, map: &mut Map) -> Result<(), FileError> {
     let within = |uv: [f64; 2]| uv.iter().all(|x| (-EDGE..=1.0 + EDGE).contains(x));
-    let mut kept = false;
+    // Beyond twice the source nothing is aimed at: such values are places in pixels.
+    let pixels = |uv: [f64; 2]| uv.iter().any(|x| *x > 2.0);
+    let (mut kept, mut in_pixels) = (0usize, 0usize);
     let mut first = None;
+    let mut lead_anywhere = false;
     for (uv, status) in map.uv.iter_mut().zip(&mut map.status) {
         if !status.is_answered() {
             continue;
         }
+        lead_anywhere |= *uv != [0.0; 2];
         if within(*uv) {
-            kept = true;
+            kept += 1;
         } else {
-            first.get_or_insert(*uv);
+            in_pixels += usize::from(pixels(*uv));
+            // The most telling one.
+            first = first.filter(|&first| pixels(first) || !pixels(*uv)).or(Some(*uv));
             (*uv, *status) = ([f64::NAN; 2], Status::Outside);
         }
     }
-    // Places in pixels, taken for shares, would make a map of nothing.
-    match first.filter(|uv| !kept && uv.iter().any(|x| *x > 1.0)) {
+    if kept > 1 && !lead_anywhere {
+        let problem = "u and v are 0 everywhere, which is no map";
+        let remedy = "export the map into the first two channels";
+        return Err(FileError::malformed(path, "values", problem, remedy));
+    }
+    // Places in pixels, taken for shares, would make a map of next to nothing.
+    let none = kept == 0 && first.is_some_and(|uv| uv.iter().any(|x| *x > 1.0));
+    match first.filter(|_| none || in_pixels > kept) {
         Some([u, v]) => Err(FileError::malformed(
             path,
             "values",
-            format!("none lies within 0 to 1; the first are {u} and {v}"),
+            format!("{kept} of them lie within 0 to 1; others are {u} and {v}"),
             "give u and v as shares of the source; for places in its pixels say --from opencv",
         )),
         None => Ok(()),

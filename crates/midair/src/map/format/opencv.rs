@@ -238,5 +238,12 @@ fn from_matrices(
     let known = |uv: &[f64; 2]| if uv[0].is_nan() { Status::Outside } else { Status::Ok };
     let (width, height) = (matrices[0].width, matrices[0].height);
     let status = uv.iter().map(known).collect();
-    Ok(LoadedMap::new(Map { width, height, status, uv, error_bound: f64::INFINITY }))
+    let mut loaded = LoadedMap::new(Map { width, height, status, uv, error_bound: f64::INFINITY });
+    if let [Matrix { kind: 's', name, .. }] = matrices {
+        loaded.notes.push(format!(
+            "{}: {name} has whole pixels only: their fractions, the second matrix of cv2.convertMaps, are not there",
+            path.display()
+        ));
+    }
+    Ok(loaded)
 }

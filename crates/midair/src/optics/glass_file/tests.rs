@@ -3,6 +3,7 @@ use crate::optics::glass;
 use proptest::prelude::*;
 
 fn parsed(text: &str) -> Result<GlassFile, GlassFileError> {
+    midair_peers::corpus::keep("tables", &[&[0], text.as_bytes()]);
     GlassFile::from_yaml(text.as_bytes(), Path::new("glass.yml"))
 }
 

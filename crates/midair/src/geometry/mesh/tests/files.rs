@@ -3,6 +3,7 @@
 use super::*;
 
 fn raw(bytes: &[u8], format: MeshFormat) -> RawMesh {
+    midair_peers::corpus::keep("meshes", &[&[format as u8], bytes]);
     read(bytes, format, "test", None).unwrap_or_else(|e| panic!("{e} ({})", e.help))
 }
 
@@ -113,6 +114,13 @@ fn stl_is_read_as_exporters_write_it() {
             "one line",
             stl_text().replace('\n', " ").replace("solid cube ", "solid cube\n").into_bytes(),
         ),
+        ("one line in all", stl_text().replace('\n', " ").into_bytes()),
+        ("zeros behind", format!("{}\0\0\0", stl_text()).into_bytes()),
+        (
+            "a colour",
+            stl_text().replace("solid cube\n", "solid cube\ncolor 0.5 0.5 0.5\n").into_bytes(),
+        ),
+        ("an end in two words", stl_text().replace("endsolid", "end solid").into_bytes()),
         ("a comment first", format!("; made by a program\n{}", stl_text()).into_bytes()),
         ("bytes behind", long),
         ("a number that was never filled in", unsaid),
@@ -129,6 +137,7 @@ fn all_solids_of_an_stl_text_count() {
         stl_text().replace("vertex 0.5", "vertex 3.5").replace("vertex -0.5", "vertex 2.5");
     let text = stl_text() + &beside;
     assert_eq!(volume(text.as_bytes(), MeshFormat::Stl), (2.0, 24));
+    assert_eq!(volume(text.replace('\n', " ").as_bytes(), MeshFormat::Stl), (2.0, 24));
     let cut = &text[..text.rfind("endfacet").unwrap()];
     assert!(read(cut.as_bytes(), MeshFormat::Stl, "cut", None).is_err());
     let unended = &text[..text.rfind("endsolid").unwrap()];
@@ -164,6 +173,10 @@ fn relatives_of_off_are_read() {
         ("counts beside the word", off_text().replacen("OFF\n", "OFF ", 1)),
         ("broken lines", off_text().replace(" 0.5 0.5\n", "\n0.5\n0.5\n")),
         ("a mark", format!("\u{feff}{}", off_text())),
+        ("small letters", off_text().replacen("OFF", "off", 1)),
+        ("one line", off_text().replace('\n', " ")),
+        ("one line without a word", off_text().replacen("OFF\n", "", 1).replace('\n', " ")),
+        ("one line of normals", with("NOFF", "0 0 1").replace('\n', " ")),
     ] {
         let found = raw(text.as_bytes(), MeshFormat::Off);
         assert_eq!(found.positions, plain.positions, "{what}");

@@ -18,6 +18,14 @@ fn decode(
         found.map(|(_, bytes)| bytes.clone()).ok_or_else(|| std::io::ErrorKind::NotFound.into())
     };
     let reading = Reading { format, source, region };
+    if let (Some(kind), [(_, first), rest @ ..]) =
+        (format.or(Format::of_path(Path::new(name))), files)
+    {
+        let twin = rest.first().map(|(_, bytes)| bytes.as_slice());
+        let twins = matches!(kind, Format::Ffmpeg | Format::OpenCv);
+        let twin = twins.then(|| twin.unwrap_or_default());
+        midair_peers::corpus::keep_map(kind as u8, first, twin);
+    }
     decode_map(Path::new(name), &fetch, &reading).map(|l| l.map).map_err(|e| e.to_string())
 }
 
@@ -399,6 +407,13 @@ fn places_in_pixels_are_no_shares_and_grey_is_no_map() {
     let pixels = npy_of(&[1, 2, 2], npyz::Order::C, [3.0, 40.0, 100.0, 7.0]);
     let message = decode("p.npy", &[("p.npy", pixels)], None, None, None).unwrap_err();
     assert!(message.contains("opencv") && message.contains("3 and 40"), "{message}");
+    // A few of them lie within 0 to 1.
+    let pixels = npy_of(&[2, 2, 2], npyz::Order::C, [0.5, 0.5, 100.0, 7.0, 3.0, 40.0, 30.0, 20.0]);
+    let message = decode("p.npy", &[("p.npy", pixels)], None, None, None).unwrap_err();
+    assert!(message.contains("1 of them") && message.contains("100 and 7"), "{message}");
+    let zeros = npy_of(&[2, 2, 2], npyz::Order::C, [0.0; 8]);
+    let message = decode("z.npy", &[("z.npy", zeros)], None, None, None).unwrap_err();
+    assert!(message.contains("0 everywhere"), "{message}");
     let path = folder.path().join("grey.png");
     image::ImageBuffer::<image::Luma<u16>, _>::from_pixel(4, 4, image::Luma([30000u16]))
         .save(&path)
