@@ -7,6 +7,7 @@ use midair::files::write_bytes_atomically;
 use midair::geometry::mesh::{self, Surface};
 use midair::scene::devices::{self, DISPLAYS, PLATES};
 use midair::scene::template::{MeshFile, Template, Wishes};
+use midair::scene::{Assets as _, Folder};
 use serde_json::json;
 use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -165,9 +166,16 @@ fn unknown(what: &str, text: &str, near: Option<&str>, own: &str) -> Failure {
 
 /// A mesh file's bounds, and its path as the scene file is to name it.
 fn mesh_of(file: &Path, scene: &Path) -> Result<MeshFile, Failure> {
-    let (mesh, _) = mesh::load(file, Surface::Closed).map_err(|error| {
-        Failure::new(format!("{}: {error}", file.display()), error.help.clone())
+    let beside = Folder(file.parent().map(Path::to_path_buf).unwrap_or_default());
+    let bytes = Folder::default().read(file).map_err(|error| {
+        Failure::new(
+            format!("{}: cannot be read: {error}", file.display()),
+            "check the path and the permissions",
+        )
     })?;
+    let (mesh, _) =
+        mesh::load(&bytes, file, Surface::Closed, Some(&|name: &Path| beside.read(name)))
+            .map_err(|error| Failure::new(error.to_string(), error.help.clone()))?;
     let folder = scene.parent().filter(|folder| !folder.as_os_str().is_empty());
     // Beside the scene a mesh is named as it is; elsewhere by its whole path.
     let named = match folder {

@@ -306,8 +306,8 @@ mod tests {
     /// Checks a scene as `midair check` does; its display has no finding.
     fn is_sound(wishes: &Wishes) {
         let text = wishes.scene().unwrap();
-        let loaded =
-            load_text(&text, "new.toml", Format::Toml).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        let loaded = load_text(&text, "new.toml", Format::Toml, &crate::scene::InMemory::new())
+            .unwrap_or_else(|e| panic!("{e}\n{text}"));
         let setup = Setup::new(&loaded).unwrap();
         let (map, _) = invert(&setup, Accuracy::default());
         let formation = formation(&setup, &map, setup.view_size(64));
@@ -367,12 +367,14 @@ mod tests {
         assert_eq!(Wishes::new(Template::Bunny).scene(), Err(TemplateError::NoMesh));
         let file =
             std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/meshes/spot.obj");
-        let (mesh, _) =
-            crate::geometry::mesh::load(&file, crate::geometry::mesh::Surface::Closed).unwrap();
+        let bytes = std::fs::read(&file).unwrap();
+        let closed = crate::geometry::mesh::Surface::Closed;
+        let (mesh, _) = crate::geometry::mesh::load(&bytes, &file, closed, None).unwrap();
         let mesh = MeshFile { file, bounds: mesh.bounds() };
         let wishes = Wishes { mesh: Some(mesh), object: Some(90.0), ..of(Template::Bunny, 0, 0) };
         let text = wishes.scene().unwrap();
-        let loaded = load_text(&text, "new.toml", Format::Toml).unwrap();
+        let here = crate::scene::Folder::default();
+        let loaded = load_text(&text, "new.toml", Format::Toml, &here).unwrap();
         let element = &Setup::new(&loaded).unwrap().elements[0];
         let [low, high] = element.shape.bounds();
         assert!((high.y - low.y - 90.0).abs() < 1e-6);

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::map::{Accuracy, formation, invert};
-use crate::scene::{Format, Loaded, SceneEdit, load, load_text};
+use crate::scene::{Format, InMemory, Loaded, SceneEdit, load, load_text};
 use std::path::Path;
 
 /// The paper's bench around a cube of 50 mm; each pair of texts is one replacement.
@@ -38,7 +38,7 @@ fn found_in(loaded: &Loaded) -> Preflight {
 }
 
 fn found(text: &str) -> Preflight {
-    found_in(&load_text(text, "bench.toml", Format::Toml).unwrap())
+    found_in(&load_text(text, "bench.toml", Format::Toml, &InMemory::new()).unwrap())
 }
 
 /// The faults and warnings that there are, by kind.
@@ -57,7 +57,7 @@ fn one(preflight: &Preflight, kind: Kind) -> &Finding {
 /// The scene's text with a finding's lines written into it.
 fn followed(text: &str, finding: &Finding) -> String {
     assert!(!finding.lines.is_empty(), "{finding:?}");
-    let mut edit = SceneEdit::new(text, "bench.toml", Format::Toml).unwrap();
+    let mut edit = SceneEdit::new(text, "bench.toml", Format::Toml, &InMemory::new()).unwrap();
     for line in &finding.lines {
         edit.set(&line.key, line.value.clone()).unwrap();
     }
@@ -399,7 +399,7 @@ fn lengths_in_another_unit_are_told_with_the_likely_one() {
 
 #[test]
 fn an_eye_in_an_object_is_told_of_a_set_up_that_a_program_made() {
-    let loaded = load_text(&scene(&[]), "bench.toml", Format::Toml).unwrap();
+    let loaded = load_text(&scene(&[]), "bench.toml", Format::Toml, &InMemory::new()).unwrap();
     let setup =
         Setup::new(&loaded).unwrap().with_viewpoint(crate::geometry::Vec3::new(0.0, 0.0, 20.0));
     let found = object::findings(&setup);

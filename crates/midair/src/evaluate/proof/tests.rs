@@ -99,7 +99,7 @@ fn through_a_slit_mirror_plate_measured_and_exact_displacement_agree() {
     };
     let prove_at = |plate: &str| {
         let parsed = parse(&text(plate), "slab.toml", Format::Toml).unwrap();
-        let loaded = with_files(parsed, loaded(800.0, "").text, Default::default()).unwrap();
+        let loaded = with_files(parsed, loaded(800.0, "").text, &InMemory::new()).unwrap();
         prove(&Setup::new(&loaded).unwrap(), &picture(512), &settings(512), &()).unwrap()
     };
     let [ideal, slits] = ["ideal", "slit-mirror"].map(prove_at);
