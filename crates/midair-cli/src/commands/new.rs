@@ -209,7 +209,9 @@ fn asked(arguments: &Arguments) -> Result<Wishes, Failure> {
         Template::ALL.iter().map(|t| format!("  {:8} {}\n", t.name(), t.about())).collect();
     print(&about.concat())?;
     let name = ask("Which set-up?", names[0], |answer| {
-        template(answer).map(|t| t.name().to_owned()).ok_or_else(|| format!("one of {}", names.join(", ")))
+        template(answer)
+            .map(|t| t.name().to_owned())
+            .ok_or_else(|| format!("one of {}", names.join(", ")))
     })?;
     let mut wishes = wishes(arguments, &name)?;
     let told = |failure: Failure| failure.to_string();

@@ -273,7 +273,11 @@ fn display(source: &SceneText, faults: &mut Vec<SceneError>) {
         let name = |key: &str| key.trim_start_matches("display.").to_owned();
         faults.push(source.error_at(
             second,
-            format!("the display's size is given more than once: by `{}` and `{}`", name(first), name(second)),
+            format!(
+                "the display's size is given more than once: by `{}` and `{}`",
+                name(first),
+                name(second)
+            ),
             "keep one of them: `size` if it was measured",
         ));
     }

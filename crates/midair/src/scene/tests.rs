@@ -133,7 +133,12 @@ fn mistakes_are_named_with_line_and_remedy() {
         (with("radius = 25.0", "radius = -25.0"), 15, &["is negative: -25"], &["mm"]),
         (with("[20, 20.0]", "[20]"), 6, &["1 numbers where it needs 2"], &["size = [50.0, 50.0]"]),
         (with("[64, 32]", "[64, 0]"), 12, &["too small"], &["between 1 and 32768"]),
-        (with("[64, 32]", "[64, 32]\nppi = 264\ndiagonal_inches = 9"), 14, &["more than once"], &["keep one"]),
+        (
+            with("[64, 32]", "[64, 32]\nppi = 264\ndiagonal_inches = 9"),
+            14,
+            &["more than once"],
+            &["keep one"],
+        ),
         (with("[64, 32]", "[64, 32]\nmodel = \"ipad-10\""), 13, &["`ipad-10`"], &["`ipad-10.9`"]),
         (with("[64, 32]", "[64, 32769]"), 12, &["too large"], &["32768"]),
         (with("[64, 32]", "[64, 32.5]"), 12, &["`resolution` holds a number"], &["1024"]),
