@@ -144,6 +144,30 @@ fn lines(loaded: &Loaded, parts: &[Part], preflight: &Preflight) -> String {
     lines
 }
 
+/// The figures behind the findings.
+fn explained(setup: &Setup, preflight: &Preflight) -> Vec<String> {
+    let [x, y, z] = setup.display_place().frame.origin.to_array();
+    let [w, h] = preflight.pixels.pitch;
+    let mut lines = vec![
+        "the image is followed along lines of sight from the viewpoint, through the objects and the plate, to the display".to_owned(),
+        format!("the display belongs at ({x:.2}, {y:.2}, {z:.2}): the image, mirrored in flat mirrors and in the plate"),
+        format!("a display pixel is {w:.4} x {h:.4} mm"),
+    ];
+    if let Some(offset) = preflight.floating.offset {
+        let tilt = preflight.floating.tilt;
+        lines.push(format!(
+            "the plate's image of it lies {offset:.2} mm from the image's place, tilted by {tilt:.2} degrees"
+        ));
+    }
+    if let Some(light) = preflight.light {
+        lines.push(format!(
+            "light meets the plate at {:.1} degrees from its normal; {:.3} of it is sent on, and {:.3} at best",
+            light.incidence, light.plate, light.best
+        ));
+    }
+    lines
+}
+
 fn told(loaded: &Loaded, setup: &Setup, parts: &[Part], map: &Map, preflight: &Preflight) -> Value {
     let share = |wanted: ImagePoint| {
         parts.iter().find(|part| part.point == wanted).map_or(0.0, |part| part.share)

@@ -154,9 +154,10 @@ fn window(element: &Element, rectangle: &Rectangle) -> Option<[[f64; 2]; 2]> {
         }
     }
     let [x, y, z] = reach;
+    // A flat mirror's box has no thickness: a contact's depth to either side gives lines a way through it.
     let within = |span: [f64; 2], size: f64| {
         let half = 0.5 * size - CONTACT;
-        let span = [span[0].max(-half), span[1].min(half)];
+        let span = [(span[0] - CONTACT).max(-half), (span[1] + CONTACT).min(half)];
         (span[0] < span[1]).then_some(span)
     };
     if z[0] > -CONTACT || z[1] < CONTACT {

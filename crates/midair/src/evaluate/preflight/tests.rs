@@ -220,7 +220,8 @@ fn a_display_that_is_too_small_is_enlarged_in_its_proportions_or_the_image_made_
         "shape = { kind = \"box\", size = [50.0, 50.0, 50.0] }",
         "shape = { kind = \"sphere\", radius = 25.0 }",
     );
-    let text = scene(&[ball, ("[300, 300]", "[320, 240]\nsize = [28.0, 21.0]")]);
+    let image = ("size = [30.0, 30.0]", "size = [28.0, 28.0]");
+    let text = scene(&[ball, image, ("[300, 300]", "[320, 240]\nsize = [28.0, 21.0]")]);
     let preflight = found(&text);
     let finding = one(&preflight, Kind::NotFormed);
     assert!(finding.sentence.contains("past the display"), "{}", finding.sentence);
@@ -415,11 +416,12 @@ fn example(name: &str) -> std::path::PathBuf {
 #[test]
 fn the_example_scenes_have_no_false_finding() {
     let mut looked_at = 0;
+    let mut others = Vec::new();
     for (name, known) in [
         ("ball.toml", vec![]),
         ("ball-on-mirror.toml", vec![Kind::NotFormed]),
         ("glass-of-water.toml", vec![Kind::NotFormed]),
-        ("lens.toml", vec![Kind::NotFormed]),
+        ("lens.toml", vec![]),
         ("plate.toml", vec![]),
         ("spot.toml", vec![Kind::NotFormed]),
         ("water-surface.toml", vec![Kind::NotFormed]),
@@ -432,13 +434,18 @@ fn the_example_scenes_have_no_false_finding() {
         ("paper/sphere.toml", vec![]),
     ] {
         let mut loaded = load(&example(name)).unwrap();
-        // An eighth of the pixels along each side: the map takes a mesh's scene long.
-        loaded.scene.display.resolution = loaded.scene.display.resolution.map(|side| side / 8);
+        // A quarter of the pixels along each side: a mesh's map takes long.
+        loaded.scene.display.resolution = loaded.scene.display.resolution.map(|side| side / 4);
         let found = found_in(&loaded);
         let mut kinds = wrong(&found);
         kinds.dedup();
-        assert_eq!(kinds, known, "{name}: {:#?}", found.findings);
+        if kinds != known {
+            let grave = found.findings.iter().filter(|f| f.severity != Severity::Note);
+            let told: Vec<&str> = grave.map(|f| f.sentence.as_str()).collect();
+            others.push(format!("{name}: {told:?}"));
+        }
         looked_at += 1;
     }
+    assert!(others.is_empty(), "{others:#?}");
     assert_eq!(looked_at, 14);
 }
