@@ -57,7 +57,7 @@ fn one(preflight: &Preflight, kind: Kind) -> &Finding {
 /// The scene's text with a finding's lines written into it.
 fn followed(text: &str, finding: &Finding) -> String {
     assert!(!finding.lines.is_empty(), "{finding:?}");
-    let mut edit = SceneEdit::new(text, "bench.toml", Format::Toml, &InMemory::new()).unwrap();
+    let mut edit = SceneEdit::new(text, "bench.toml", Format::Toml).unwrap();
     for line in &finding.lines {
         edit.set(&line.key, line.value.clone()).unwrap();
     }
