@@ -27,7 +27,9 @@ fn is_text(bytes: &[u8]) -> bool {
         return false;
     }
     let text = plain(bytes);
-    let start = &text[..text.len().min(4096)];
+    // Zeros may fill a text's last block.
+    let end = text.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
+    let start = &text[..end.min(4096)];
     // No text has zero bytes; a binary file has them in its padding and its attributes.
     let mut found = lines(start).flat_map(|(_, line)| words(line)).map(str::to_ascii_lowercase);
     !start.contains(&0) && found.any(|word| matches!(&*word, "solid" | "facet" | "endsolid"))

@@ -10,8 +10,8 @@ pub(super) struct Face {
     pub forward: bool,
 }
 
-/// Angles nearer than this, radians, are one: faces upon one another, computed from different corners.
-const ONE_ANGLE: f64 = 1e-7;
+/// Angles are told apart in so many steps around: faces upon one another differ by less, computed from corners in single precision.
+const STEPS: i64 = 1 << 22;
 
 /// Pairs of places in `faces`, each the two sides of one wedge of solid about an edge in the direction `along`; `None` where faces that open a wedge and
 /// such that close one do not alternate as they must: they are not wound alike.
@@ -25,9 +25,8 @@ pub(super) fn pairs(along: Vec3, faces: &[Face]) -> Option<Vec<[usize; 2]>> {
     let y = axis.cross(x);
     let turn = |face: &Face| {
         let u = flat(face);
-        let steps = (u.dot(y).atan2(u.dot(x)) / ONE_ANGLE).round() as i64;
-        let whole = (std::f64::consts::TAU / ONE_ANGLE).round() as i64;
-        steps.rem_euclid(whole)
+        let share = u.dot(y).atan2(u.dot(x)) / std::f64::consts::TAU;
+        ((share * STEPS as f64).round() as i64).rem_euclid(STEPS)
     };
     let mut order: Vec<(i64, bool, usize)> =
         faces.iter().enumerate().map(|(k, face)| (turn(face), !face.forward, k)).collect();
