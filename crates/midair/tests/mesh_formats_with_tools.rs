@@ -4,6 +4,7 @@
 
 use midair::geometry::mesh::{MeshFormat, Surface, load};
 use midair::geometry::{Crossing, MeshSurface, Ray, Search, Vec3};
+use std::path::Path;
 use std::process::Command;
 
 const SCRIPT: &str = "
@@ -63,7 +64,8 @@ fn trimesh_s_files_are_the_bodies_that_it_says() {
         if let Some(format) = MeshFormat::of(&file) {
             midair_peers::corpus::keep("meshes", &[&[format as u8], &bytes]);
         }
-        let (mesh, mended) = load(&bytes, &file, Surface::Closed, None).unwrap();
+        let beside = |name: &Path| std::fs::read(folder.path().join(name));
+        let (mesh, mended) = load(&bytes, &file, Surface::Closed, Some(&beside)).unwrap();
         let volume: f64 = volume.parse().unwrap();
         assert_eq!(mesh.triangles.len(), faces.parse::<usize>().unwrap(), "{name}");
         // Texts have eight digits, binary files single precision.
@@ -125,7 +127,8 @@ fn bodies_in_one_file_are_the_union_that_manifold3d_makes_of_them() {
     let (mut bodies, mut compared) = (0, 0);
     for name in told.lines() {
         let [parts, union] = ["parts", "union"].map(|kind| {
-            load(&folder.path().join(format!("{name}-{kind}.ply")), Surface::Closed).unwrap()
+            let file = folder.path().join(format!("{name}-{kind}.ply"));
+            load(&std::fs::read(&file).unwrap(), &file, Surface::Closed, None).unwrap()
         });
         assert!(!parts.1.overlaps.is_empty() && union.1.overlaps.is_empty(), "{name}");
         let [parts, union] = [parts, union].map(|(mesh, _)| MeshSurface::new(&mesh));
