@@ -46,7 +46,8 @@ pub struct Arguments {
     /// Samples per pixel of `splat` [default: 1000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     spp: Option<u32>,
-    /// Find the display image whose view is nearest to the picture, by least squares
+    /// Find the display image whose views are nearest to the picture, by least squares, for eyes twice as fine as the display, as fine, and half as
+    /// fine
     #[arg(long, requires = "image")]
     optimal: bool,
     /// Uniformity correction: divide by the gain, the throughput of each display pixel's path (Fresnel losses, absorption, mirrors, the plate)
@@ -105,7 +106,8 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
             let pixels = std::mem::take(&mut still.picture.pixels);
             let picture = Picture { pixels, ..still.picture };
             let camera = Camera::at_viewpoint(&setup, setup.view_size(setup.resolution[0]));
-            check_view(camera.size, camera.supersampling)?;
+            // The finest of the eyes looks twice as closely.
+            check_view(camera.size, 2 * camera.supersampling)?;
             light = compensation.best_light(picture, light)?;
             laps.lap("optimal");
         }
