@@ -261,7 +261,10 @@ mod tests {
             position = [0.0, 0.0, -150.0]\nrotation = [-45.0, 0.0, 0.0]\nsize = [200.0, 200.0]\n[display]\n\
             resolution = [1000, 800]\nsize = [100.0, 80.0]\n[[element]]\nname = \"bottle\"\n\
             shape = { kind = \"cylinder\", radius = 20.0, height = 50.0 }\nposition = [10.0, 0.0, -150.0]\nmaterial = { ior = 1.5 }\n";
-        let setup = Setup::new(&load_text(text, "x.toml", Format::Toml).unwrap()).unwrap();
+        let setup = Setup::new(
+            &load_text(text, "x.toml", Format::Toml, &midair::scene::InMemory::new()).unwrap(),
+        )
+        .unwrap();
         draw(pattern, &setup).unwrap()
     }
 

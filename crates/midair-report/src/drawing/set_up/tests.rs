@@ -11,7 +11,12 @@ fn layout(eye: &str) -> Layout {
          rotation = [-45.0, 0.0, 0.0]\nsize = [200.0, 200.0]\n[display]\nresolution = [64, 64]\n[[element]]\n\
          name = \"cube & <box>\"\nshape = {{ kind = \"box\", size = [50.0, 50.0, 50.0] }}\nmaterial = {{ ior = 1.49 }}\n"
     );
-    Layout::of(&Setup::new(&load_text(&text, "bench.toml", Format::Toml).unwrap()).unwrap())
+    Layout::of(
+        &Setup::new(
+            &load_text(&text, "bench.toml", Format::Toml, &midair::scene::InMemory::new()).unwrap(),
+        )
+        .unwrap(),
+    )
 }
 
 /// The ends of all straight lines of two points with a stroke of this colour, on the sheet.
