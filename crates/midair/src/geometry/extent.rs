@@ -34,7 +34,7 @@ impl Shape {
         if !self.is_solid() {
             return chords;
         }
-        let (ray, ahead) = self.from_before(line);
+        let (ray, ahead) = self.line_before(line);
         let mut after = 0.0;
         while chords.len() < MOST
             && let Some(enter) = self.first(&ray, Some(Crossing::Enter), after)
@@ -51,7 +51,7 @@ impl Shape {
         if self.is_solid() {
             return self.chords(line).concat();
         }
-        let (ray, ahead) = self.from_before(line);
+        let (ray, ahead) = self.line_before(line);
         let mut meetings = Vec::new();
         let mut after = 0.0;
         while meetings.len() < MOST
@@ -75,7 +75,7 @@ impl Shape {
     }
 
     /// The line as a ray that sets out before the shape, and how far ahead of the line's own start that is (less than 0: behind it).
-    fn from_before(&self, line: &Ray) -> (Ray, f64) {
+    fn line_before(&self, line: &Ray) -> (Ray, f64) {
         let [low, high] = self.bounds();
         let middle = (low + high) * 0.5;
         // A millimetre to spare.
