@@ -11,7 +11,6 @@ mod shown;
 mod tests;
 mod uncompensated;
 
-pub(crate) use best::{best_display, best_target, finest_eye};
 pub use maps::{Method, Solved};
 pub use report::{Brightness, ByColour, ColourReport, GainReport, Report};
 pub use shown::Shown;

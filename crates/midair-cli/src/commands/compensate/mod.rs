@@ -46,8 +46,7 @@ pub struct Arguments {
     /// Samples per pixel of `splat` [default: 1000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     spp: Option<u32>,
-    /// Find the display image whose views are nearest to the picture, by least squares, for eyes twice as fine as the display, as fine, and half as
-    /// fine
+    /// Find the display image whose view is nearest to the picture, by least squares
     #[arg(long, requires = "image")]
     optimal: bool,
     /// Uniformity correction: divide by the gain, the throughput of each display pixel's path (Fresnel losses, absorption, mirrors, the plate)
@@ -106,8 +105,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
             let pixels = std::mem::take(&mut still.picture.pixels);
             let picture = Picture { pixels, ..still.picture };
             let camera = Camera::at_viewpoint(&setup, setup.view_size(setup.resolution[0]));
-            // The finest of the eyes looks twice as closely.
-            check_view(camera.size, 2 * camera.supersampling)?;
+            check_view(camera.size, camera.supersampling)?;
             light = compensation.best_light(picture, light)?;
             laps.lap("optimal");
         }

@@ -14,11 +14,13 @@ pub use likeness::{Likeness, Region};
 
 use crate::Monitor;
 use crate::clock::{Laps, Stopwatch};
-use crate::compensate::{AsIs, best_display, best_target, finest_eye, uncompensated_map};
+use crate::compensate::{AsIs, uncompensated_map};
 use crate::map::{Accuracy, Effort, Formation, Map, formation, invert};
 use crate::measure::SimilarityError;
 use crate::measure::lattice::{LatticeStyle, LatticeStyleError, draw_lattice};
-use crate::picture::optimal::{OptimalError, ViewSamples, scatter_average, view_through};
+use crate::picture::optimal::{
+    OptimalError, ViewSamples, Weighting, optimal_display, scatter_average, view_through,
+};
 use crate::picture::{Picture, display_image};
 use crate::simulate::{Camera, Reference};
 use crate::transport::{Setup, SetupError};
@@ -183,12 +185,7 @@ pub fn prove(
     let compensated = shown(display, time)?;
     let (display, time) = timed(&|| scatter_average(&samples, &reference, width, height))?;
     let scattered = shown(display, time)?;
-    let finest = finest_eye(setup, &map);
-    let (display, time) = timed(&|| {
-        let target = best_target(picture, &finest);
-        let initial = compensated.display.clone();
-        best_display(setup, &finest, target, initial).map(|best| best.display)
-    })?;
+    let (display, time) = timed(&|| best(&samples, &reference, &compensated.display))?;
     let optimal = shown(display, time)?;
     laps.lap("pictures");
 
@@ -241,6 +238,15 @@ pub fn prove(
         splat,
         timings: laps.into_all(),
     })
+}
+
+fn best(
+    samples: &ViewSamples,
+    target: &Picture,
+    initial: &Picture,
+) -> Result<Picture, OptimalError> {
+    let best = optimal_display(samples, target.clone(), initial.clone(), Weighting::default())?;
+    Ok(best.display)
 }
 
 #[cfg(test)]

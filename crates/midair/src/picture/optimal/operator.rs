@@ -1,12 +1,8 @@
 //! The view as a linear function of the display's pixels, as a sparse matrix and its transpose.
 
 use super::ViewRays;
+use crate::picture::interpolate::bilinear_taps;
 use rayon::prelude::*;
-
-/// Whether a ray ends on the display; NaN does not.
-fn on_display(st: [f64; 2]) -> bool {
-    st.iter().all(|c| (0.0..=1.0).contains(c))
-}
 
 /// Red, green, blue.
 pub(super) type Rgb = [f32; 3];
@@ -105,8 +101,9 @@ impl Band {
 }
 
 impl SparseRows {
-    /// The view's rows: each view pixel is the mean of its rays, each of which stands for a patch of the display as large as its rays lie apart; a
-    /// display's pixel shines evenly over its square. A ray that does not end on the display is dark.
+    /// The view's rows: each view pixel is the mean of its rays, a ray the bilinear
+    /// interpolation of the display's pixels (the edge goes on beyond the outermost centres).
+    /// A ray that does not end on the display is dark.
     pub(super) fn from_view(rays: &impl ViewRays, width: usize, height: usize) -> Self {
         let ([columns, lines], each) = (rays.size(), rays.rays_per_pixel());
         let rows = columns * lines;
@@ -230,22 +227,8 @@ impl SparseRows {
 fn view_pixel(ends: &[[f64; 2]], width: usize, height: usize, taps: &mut Vec<(u32, f32)>) {
     taps.clear();
     let share = 1.0 / ends.len() as f32;
-    let pixels = [width as f64, height as f64];
-    // Rays lie in a square of their own; of a single one nothing is known but its place.
-    let gaps = (ends.len() as f64).sqrt() - 1.0;
-    let half = [0, 1].map(|axis| {
-        let span = ends.iter().filter(|st| on_display(**st)).map(|st| st[axis]);
-        let (low, high) = span
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-        // Of a view that is coarser than the display a ray stands for no more than a pixel.
-        if gaps > 0.0 && high > low {
-            (0.5 * pixels[axis] * (high - low) / gaps).min(0.5)
-        } else {
-            0.0
-        }
-    });
-    for &st in ends.iter().filter(|st| on_display(**st)) {
-        for (column, weight) in patch_taps(st, half, width, height) {
+    for &st in ends {
+        for (column, weight) in bilinear_taps(st, width, height).into_iter().flatten() {
             match taps.iter_mut().find(|tap| tap.0 == column) {
                 Some(known) => known.1 += weight * share,
                 None => taps.push((column, weight * share)),
@@ -253,23 +236,6 @@ fn view_pixel(ends: &[[f64; 2]], width: usize, height: usize, taps: &mut Vec<(u3
         }
     }
     taps.sort_unstable_by_key(|tap| tap.0);
-}
-
-/// The display pixels that a patch about st covers, `half` a pixel's sides wide to either side, and its shares on them.
-fn patch_taps(st: [f64; 2], half: [f64; 2], width: usize, height: usize) -> [(u32, f32); 4] {
-    let along = |place: f64, half: f64, count: usize| {
-        let low = place - half;
-        let first = low.floor();
-        let within = if half > 0.0 { ((first + 1.0 - low) / (2.0 * half)).min(1.0) } else { 1.0 };
-        let pixel = |at: f64| (at.max(0.0) as usize).min(count - 1);
-        [(pixel(first), within as f32), (pixel(first + 1.0), (1.0 - within) as f32)]
-    };
-    let columns = along(st[0] * width as f64, half[0], width);
-    let rows = along((1.0 - st[1]) * height as f64, half[1], height);
-    std::array::from_fn(|k| {
-        let ((column, x), (row, y)) = (columns[k % 2], rows[k / 2]);
-        ((row * width + column) as u32, x * y)
-    })
 }
 
 /// The weights in units, each with what the ones before it lack; those of none left out.

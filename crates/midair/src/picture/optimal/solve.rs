@@ -1,18 +1,18 @@
 //! Bounded least squares by projected conjugate gradients.
 
-use super::eyes::Eyes;
+use super::Weights;
 use super::operator::{Rgb, SparseRows};
 use rayon::prelude::*;
 
 /// Pixels that a task of the thread pool takes at a time.
 const BAND: usize = 8192;
 
-/// The problem: minimise what all eyes together find of (A x - target)^2, weighted, over x in \[0, 1\], three channels at once.
+/// The problem: minimise sum of weight * (A x - target)^2 over x in \[0, 1\], three channels at once.
 pub(super) struct Problem<'a> {
     pub(super) forward: &'a SparseRows,
     pub(super) backward: &'a SparseRows,
     pub(super) target: &'a [Rgb],
-    pub(super) eyes: &'a Eyes,
+    pub(super) weights: &'a Weights,
 }
 
 /// How long to go on.
@@ -60,10 +60,9 @@ impl Problem<'_> {
     /// pixels; and again.
     pub(super) fn solve(&self, x: &mut Vec<Rgb>, effort: Effort) -> usize {
         let (rows, count) = (self.forward.rows(), x.len());
-        let weight = |row: usize| self.eyes.weight(row);
+        let weight = |row: usize| self.weights.at(self.target[row]);
         let inverse_diagonal = self.backward.squared_row_sums(weight, Coarse::reciprocal);
-        // Between faces the weighed residual, M (A x - target), where M is what the eyes make of a view; within a face, which does not need it, the
-        // direction's weighed image.
+        // Between faces the weighted residual, W (A x - target); within a face, which does not need it, the direction's weighted image.
         let mut in_view: Vec<Rgb> = vec![[0.0; 3]; rows];
         let mut objective = self.residual(x, &mut in_view);
         let mut direction: Vec<Rgb> = vec![[0.0; 3]; count];
@@ -103,8 +102,11 @@ impl Problem<'_> {
             let first = rz;
             let mut inner = 0;
             while inner < effort.steps_per_face && taken < effort.steps {
-                self.forward.multiply(&direction, &mut in_view, |_, q, _| (q, [0.0; 3]));
-                let curvature = self.eyes.weigh(&mut in_view);
+                let curvature = self.forward.multiply(&direction, &mut in_view, |row, q, _| {
+                    let w = weight(row);
+                    let scaled = std::array::from_fn(|c| w[c] * q[c]);
+                    (scaled, std::array::from_fn(|c| f64::from(w[c] * q[c] * q[c])))
+                });
                 let alpha = ratio(rz, curvature).map(|a| a as f32);
                 let previous = rz;
                 rz = self.backward.multiply(&in_view, &mut remainder, |i, hp, old| {
@@ -147,42 +149,15 @@ impl Problem<'_> {
         taken
     }
 
-    /// `residual = M (A x - target)`; the weighted sum of squares per channel.
+    /// `residual = W (A x - target)`; the weighted sum of squares per channel.
     fn residual(&self, x: &[Rgb], residual: &mut [Rgb]) -> [f64; 3] {
-        self.difference(x, residual);
-        self.eyes.weigh(residual)
-    }
-
-    /// `difference = A x - target`.
-    fn difference(&self, x: &[Rgb], difference: &mut [Rgb]) {
-        self.forward.multiply(x, difference, |row, value, _| {
+        self.forward.multiply(x, residual, |row, value, _| {
             let target = self.target[row];
-            (std::array::from_fn(|c| value[c] - target[c]), [0.0; 3])
-        });
-    }
-
-    /// Goes back from `x` towards `start` until no eye finds `x` worse than `start` by more than the factor `most` in squares: half
-    /// way, a quarter, an eighth, and then all of it. Whether it had to.
-    pub(super) fn hold(&self, x: &mut [Rgb], start: &[Rgb], most: f64) -> bool {
-        let errors = |x: &[Rgb]| {
-            let mut view = vec![[0.0; 3]; self.forward.rows()];
-            self.difference(x, &mut view);
-            self.eyes.errors(view)
-        };
-        let before = errors(start);
-        let allowed = |after: [f64; 3]| (0..3).all(|eye| after[eye] <= most * before[eye]);
-        for left in [1.0f32, 0.5, 0.25, 0.125, 0.0] {
-            let between: Vec<Rgb> = x
-                .iter()
-                .zip(start)
-                .map(|(x, s)| std::array::from_fn(|c| s[c] + left * (x[c] - s[c])))
-                .collect();
-            if left == 0.0 || allowed(errors(&between)) {
-                x.copy_from_slice(&between);
-                return left < 1.0;
-            }
-        }
-        true
+            let w = self.weights.at(target);
+            let r: Rgb = std::array::from_fn(|c| value[c] - target[c]);
+            let weighted: Rgb = std::array::from_fn(|c| w[c] * r[c]);
+            (weighted, std::array::from_fn(|c| f64::from(weighted[c] * r[c])))
+        })
     }
 
     /// Moves `x` along `step`, clamped to \[0, 1\], halving the step of a channel until its objective

@@ -174,10 +174,8 @@ fn dense_optimum(a: &[Vec<f64>], y: &[f64], weight: &[f64]) -> f64 {
         if free.iter().all(|&i| g[i].abs() < 1e-10) {
             return objective(&x);
         }
-        // Where pixels cannot be told apart a step is open; a billionth on the diagonal chooses one, and leaves the gradient as it is.
-        let entry = |i: usize, j: usize| h[i][j] + if i == j { 1e-9 } else { 0.0 };
         let sub: Vec<Vec<f64>> =
-            free.iter().map(|&i| free.iter().map(|&j| entry(i, j)).collect()).collect();
+            free.iter().map(|&i| free.iter().map(|&j| h[i][j]).collect()).collect();
         let rhs: Vec<f64> = free.iter().map(|&i| -g[i]).collect();
         let step = cholesky_solve(&sub, &rhs);
         let before = objective(&x);
@@ -223,24 +221,14 @@ fn the_sparse_solution_is_within_a_tenth_of_a_decibel_of_the_dense_optimum() {
     let target = noise_target(view);
     let mut matrix = vec![vec![0.0f64; display * display]; view * view];
     for (r, rays) in samples.st.chunks(16).enumerate() {
-        // Written out anew: a ray's patch reaches half of the way to the next ray, and covers of each pixel what the intervals have in common.
-        let half = [0, 1].map(|axis| {
-            let (low, high) = rays
-                .iter()
-                .fold((1.0f64, 0.0f64), |(low, high), st| (low.min(st[axis]), high.max(st[axis])));
-            (0.5 * display as f64 * (high - low) / 3.0).min(0.5)
-        });
         for st in rays {
-            let common = |place: f64, half: f64, pixel: usize| {
-                let (low, high) = (place - half, place + half);
-                let pixel = pixel as f64;
-                ((pixel + 1.0).min(high) - pixel.max(low)).max(0.0) / (high - low)
-            };
+            // Written out anew: the bilinear weights as a product of two hats.
+            let hat = |x: f64, centre: usize| (1.0 - (x - centre as f64).abs()).max(0.0);
             for row in 0..display {
                 for column in 0..display {
-                    let x = common(st[0] * display as f64, half[0], column);
-                    let y = common((1.0 - st[1]) * display as f64, half[1], row);
-                    matrix[r][row * display + column] += x * y / 16.0;
+                    let x = (st[0] * display as f64 - 0.5).clamp(0.0, display as f64 - 1.0);
+                    let y = ((1.0 - st[1]) * display as f64 - 0.5).clamp(0.0, display as f64 - 1.0);
+                    matrix[r][row * display + column] += hat(x, column) * hat(y, row) / 16.0;
                 }
             }
         }
@@ -251,42 +239,27 @@ fn the_sparse_solution_is_within_a_tenth_of_a_decibel_of_the_dense_optimum() {
     let matrix: Vec<Vec<f64>> =
         matrix.iter().map(|row| seen.iter().map(|&i| row[i]).collect()).collect();
     let initial = Picture::filled(display, display, [0.5, 0.5, 0.5, 1.0]);
-    // Three eyes: each row a mean of the finest one's, counted as often as it has pixels of that.
-    let mean = |values: &dyn Fn(usize) -> f64, side: usize, at: usize| -> f64 {
-        let (left, top) = (at % (view / side) * side, at / (view / side) * side);
-        let inner = (0..side * side).map(|k| values((top + k / side) * view + left + k % side));
-        inner.sum::<f64>() / (side * side) as f64
-    };
     for weighting in [Weighting::Linear, Weighting::Encoded] {
         let best = optimal_display(&samples, target.clone(), initial.clone(), weighting).unwrap();
-        let reached = &eye_views(&samples, &best.display).unwrap()[0];
+        let reached = view_through(&samples, &best.display).unwrap();
         assert!(best.display.pixels.iter().flatten().all(|value| (0.0..=1.0).contains(value)));
         for c in 0..3 {
-            let of = |picture: &Picture, pixel: usize| f64::from(picture.pixels[pixel][c]);
-            let (mut rows, mut y, mut weight, mut ours) = (Vec::new(), Vec::new(), Vec::new(), 0.0);
-            for side in EYES {
-                for at in 0..(view / side) * (view / side) {
-                    let wanted = mean(&|p| of(&target, p), side, at);
-                    let (column, row) =
-                        (at % (view / side) * side / 4, at / (view / side) * side / 4);
-                    let local = mean(&|p| of(&target, p), 4, row * (view / 4) + column);
-                    let counts = (side * side) as f64 / 3.0
-                        * match weighting {
-                            Weighting::Linear => 1.0,
-                            Weighting::Encoded => srgb::encode_slope(local).powi(2),
-                        };
-                    let line = (0..seen.len()).map(|i| mean(&|p| matrix[p][i], side, at)).collect();
-                    ours += counts * (mean(&|p| of(reached, p), side, at) - wanted).powi(2);
-                    rows.push(line);
-                    y.push(wanted);
-                    weight.push(counts);
-                }
-            }
-            let optimum = dense_optimum(&rows, &y, &weight);
+            let y: Vec<f64> = target.pixels.iter().map(|pixel| f64::from(pixel[c])).collect();
+            let weight: Vec<f64> = match weighting {
+                Weighting::Linear => vec![1.0; y.len()],
+                Weighting::Encoded => y.iter().map(|&y| srgb::encode_slope(y).powi(2)).collect(),
+            };
+            let optimum = dense_optimum(&matrix, &y, &weight);
+            let ours: f64 = reached
+                .pixels
+                .iter()
+                .zip(y.iter().zip(&weight))
+                .map(|(pixel, (y, weight))| weight * (f64::from(pixel[c]) - y).powi(2))
+                .sum();
             let gap = 10.0 * (ours / optimum).log10();
             println!("{weighting:?} channel {c}: optimum {optimum:.4}, {gap:.4} dB above it");
-            // Not below it either, but for the float sums and tabulated weights of a thousand rows.
-            assert!(!best.held_back && (-5e-3..0.1).contains(&gap), "{gap} dB");
+            // Not below it either, but for the float sums of 784 rows.
+            assert!((-1e-3..0.1).contains(&gap), "{gap} dB");
         }
     }
 }
@@ -315,7 +288,7 @@ fn the_transpose_is_the_transpose() {
     let y = pixels.split_off(100)[..].to_vec();
     let (x, y) = (noise_target(15).pixels[..221].to_vec(), [y, pixels].concat());
     let shown = Picture { width: 13, height: 17, pixels: x.clone() };
-    let view = &eye_views(&samples, &shown).unwrap()[0];
+    let view = view_through(&samples, &shown).unwrap();
     let [x, y] = [x, y]
         .map(|pixels| -> Vec<Rgb> { pixels.into_iter().map(|[r, g, b, _]| [r, g, b]).collect() });
     let mut ax = vec![[0.0; 3]; 400];
@@ -344,8 +317,8 @@ fn an_identity_view_asks_for_the_target_itself() {
     let scatter = scatter_average(&samples, &target, 16, 16).unwrap();
     for i in 0..256 {
         for c in 0..4 {
-            // A is the identity; steps of single precision leave a hundredth of an 8-bit code.
-            assert!((best.display.pixels[i][c] - target.pixels[i][c]).abs() < 4e-5);
+            // A is the identity but for the rounding of the st, 1e-7 of a pixel.
+            assert!((best.display.pixels[i][c] - target.pixels[i][c]).abs() < 1e-5);
             assert!((scatter.pixels[i][c] - target.pixels[i][c]).abs() < 1e-5);
         }
     }
@@ -383,85 +356,32 @@ fn sizes_that_disagree_are_refused() {
     assert!(scatter_average(&samples, &picture, 0, 5).is_err());
 }
 
-/// The share of the display's pixels in a view of white, by areas: what covers half of a pixel sees half of it.
+/// Plain filter, averaged scatter and best image side by side. That of all displays the best one comes nearest is what it is sought
+/// for; that a filter without holes is better than an average of what was scattered, and either than no compensation, is what compensation is for.
 #[test]
-fn a_pixel_is_a_box() {
-    // Two rays side by side, so that each stands for a quarter of the view's pixel: from 0.9 to 1.1 pixels of a display of two.
-    let rays = [[0.475, 0.5], [0.525, 0.5], [0.475, 0.5], [0.525, 0.5]];
-    let samples = ViewSamples { size: [1, 1], each: 4, st: rays.into() };
-    let display =
-        Picture { width: 2, height: 1, pixels: vec![[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0]] };
-    let [seen, ..] = eye_views(&samples, &display).unwrap();
-    // Patches of 0.1 pixels about 0.95 and 1.05: the one on the first pixel, the other on the second.
-    assert!((seen.pixels[0][0] - 0.5).abs() < 1e-4 && (seen.pixels[0][1] - 0.5).abs() < 1e-4);
-    let rays = [[0.49, 0.5], [0.53, 0.5], [0.49, 0.5], [0.53, 0.5]];
-    let samples = ViewSamples { size: [1, 1], each: 4, st: rays.into() };
-    let [seen, ..] = eye_views(&samples, &display).unwrap();
-    // From 0.94 to 1.02, and from 1.02 to 1.10: six of sixteen hundredths on the first.
-    assert!((seen.pixels[0][0] - 0.375).abs() < 1e-4, "{:?}", seen.pixels);
-}
-
-/// Plain filter, averaged scatter and best image side by side, for eyes twice as fine as the display, as fine, and half as fine.
-#[test]
-fn the_best_image_is_best_for_each_of_the_eyes_and_keeps_the_light() {
-    let size = 128;
-    let samples = view_samples(2 * size, 2);
+fn the_best_image_beats_the_plain_filter_and_the_averaged_scatter() {
+    let size = 192;
+    let samples = view_samples(size, 3);
     let map = ball_map(size);
-    println!("PSNR in dB, display {size} x {size}, eyes twice as fine, as fine, half as fine");
+    println!("PSNR in dB of a {size} x {size} view, display {size} x {size}");
     for seed in [1, 2] {
-        let target = scenery(2 * size, seed);
-        let wanted = EYES.map(|side| seen_coarser(&target, side));
-        let see = |display: &Picture| -> [f64; 3] {
-            let seen = eye_views(&samples, display).unwrap();
-            std::array::from_fn(|eye| psnr(&seen[eye], &wanted[eye]))
-        };
-        let light = |picture: &Picture| {
-            picture.pixels.iter().map(|p| f64::from(p[0] + p[1] + p[2])).sum::<f64>()
-        };
+        let target = scenery(size, seed);
+        let see = |display: &Picture| psnr(&view_through(&samples, display).unwrap(), &target);
         let plain = display_image(&target, &map);
+        let none = see(&display_image(&target, &Map::identity(size, size)));
         let scatter = see(&scatter_average(&samples, &target, size, size).unwrap());
-        let best =
-            optimal_display(&samples, target.clone(), plain.clone(), Weighting::Encoded).unwrap();
-        let kept = light(&eye_views(&samples, &best.display).unwrap()[0]) / light(&target);
-        let (plain, best) = (see(&plain), see(&best.display));
+        let best = |weighting| {
+            see(&optimal_display(&samples, target.clone(), plain.clone(), weighting)
+                .unwrap()
+                .display)
+        };
+        let (linear, encoded) = (best(Weighting::Linear), best(Weighting::Encoded));
+        let plain = see(&plain);
         println!(
-            "{seed}: scatter {scatter:.2?}, plain {plain:.2?}, best {best:.2?}, light {kept:.4}"
+            "{seed}: uncompensated {none:.2}, averaged scatter {scatter:.2}, plain filter {plain:.2}, \
+             best by light {linear:.2}, best as encoded {encoded:.2}"
         );
-        for eye in 0..3 {
-            assert!(best[eye] > plain[eye] - 0.3, "{eye}: {best:?} {plain:?}");
-        }
-        // Photographs and this scenery have much that one of the eyes sees and the plain filter blurs.
-        assert!(best[1] > plain[1] + 0.7 && best[2] > plain[2] + 0.7, "{best:?} {plain:?}");
-        assert!((kept - 1.0).abs() < 0.015, "{kept}");
-    }
-}
-
-/// Where no image is better for all eyes, the plain filter's is kept as far as need be.
-#[test]
-fn no_eye_is_made_to_pay_for_the_others() {
-    let samples = view_samples(32, 2);
-    let target = noise_target(32);
-    let map = ball_map(16);
-    let plain = display_image(&target, &map);
-    let best = optimal_display(&samples, target.clone(), plain.clone(), Weighting::Linear).unwrap();
-    let errors = |display: &Picture| -> Vec<f64> {
-        let seen = eye_views(&samples, display).unwrap();
-        (0..3)
-            .map(|eye| {
-                let wanted = seen_coarser(&target, EYES[eye]);
-                let pairs = seen[eye].pixels.iter().zip(&wanted.pixels);
-                pairs
-                    .map(|(a, b)| (0..3).map(|c| f64::from(a[c] - b[c]).powi(2)).sum::<f64>())
-                    .sum()
-            })
-            .collect()
-    };
-    let before: Vec<f64> = errors(&Picture {
-        pixels: plain.pixels.iter().map(|p| p.map(|v| v.clamp(0.0, 1.0))).collect(),
-        ..plain.clone()
-    });
-    for (after, before) in errors(&best.display).into_iter().zip(before) {
-        // 0.3 dB, and the rounding of weights to 16 bits.
-        assert!(after <= 1.0715 * before * 1.001, "{after} {before}");
+        assert!(encoded > plain + 2.0 && plain > scatter && scatter > none + 5.0);
+        assert!(encoded > linear);
     }
 }
