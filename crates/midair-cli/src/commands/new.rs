@@ -87,7 +87,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         "files": paths(&files),
     });
     let next = format!(
-        "next: midair check {file}; midair draw {file}; midair compensate {file} PICTURE --out out\n"
+        "next: midair check {file}; midair draw {file}; midair compensate {file} --image PICTURE --out out\n"
     );
     voice.tell(&format!("{}{next}", wrote(&files)), &told)
 }

@@ -226,7 +226,7 @@ pub fn detect_part(picture: &Plane, at_most: impl Into<Count>) -> Result<Lattice
 }
 
 /// Finds the intersections of a lattice whose places are `expected`, row by row, to a fraction of a step: each is the crossing seen next to its place, if
-/// that is nearer than [`NAMED_WITHIN`] of the way to the next intersection. The lattice may be cut, folded over and seen
+/// that is nearer than `NAMED_WITHIN` of the way to the next intersection. The lattice may be cut, folded over and seen
 /// the other way round; what is found lies where lines cross in the picture, not where it was expected.
 ///
 /// # Errors

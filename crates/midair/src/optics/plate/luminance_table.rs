@@ -21,7 +21,7 @@ pub fn viewing_direction([azimuth, elevation]: [f64; 2]) -> Vec3 {
 }
 
 /// Luminance over a grid of viewing directions, as measured on the bench: bilinear between its
-/// points; up to [`BEYOND`] degrees outside the outermost ones as there, further out no value.
+/// points; up to `BEYOND` degrees outside the outermost ones as there, further out no value.
 ///
 /// Read from CSV with a header line naming `azimuth`, `elevation` (degrees) and `value` (any
 /// unit), one line per grid point in any order, and every pair of an azimuth and an elevation once:
@@ -94,7 +94,7 @@ impl LuminanceTable {
         Ok(Self { azimuth, elevation, value })
     }
 
-    /// The luminance in a direction in degrees, in the file's unit; `None` more than [`BEYOND`] degrees outside the grid.
+    /// The luminance in a direction in degrees, in the file's unit; `None` more than `BEYOND` degrees outside the grid.
     pub fn value(&self, [azimuth, elevation]: [f64; 2]) -> Option<f64> {
         let (i, s) = place(&self.azimuth, azimuth)?;
         let (j, t) = place(&self.elevation, elevation)?;
