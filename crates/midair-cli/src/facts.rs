@@ -3,7 +3,6 @@
 use crate::colour_facts::Colour;
 use crate::summary::{counts_line, number, percent, timings};
 use midair::evaluate::proof::{Baseline, Likeness, Proof, Settings, Shape, Shown};
-use midair::map::ImagePoint;
 use midair::measure::lattice::Displacement;
 use midair::scene::Loaded;
 use midair::scene::model::PlateModel;
@@ -44,9 +43,7 @@ impl Facts<'_> {
 
     /// The share of the image that is formed.
     pub fn formed(&self) -> f64 {
-        let points = &self.proof.formation.points;
-        let formed = points.iter().filter(|&&point| point == ImagePoint::Formed).count();
-        formed as f64 / points.len().max(1) as f64
+        self.proof.formation.formed()
     }
 
     /// report.json.

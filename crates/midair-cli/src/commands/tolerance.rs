@@ -59,17 +59,13 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
 
 /// What moves the image at all, a line each.
 fn table(shifts: &[Shift], all: usize) -> String {
-    let name = |shift: &Shift| {
-        let (step, unit) = shift.measure.step();
-        format!("{}, {}, {step} {unit}", shift.part, shift.measure.name()).trim_end().to_owned()
-    };
-    let wide = shifts.iter().map(|shift| name(shift).chars().count()).max().unwrap_or(0);
+    let wide = shifts.iter().map(|shift| shift.name().chars().count()).max().unwrap_or(0);
     let mut lines =
         format!("{:wide$}  {:>9}  {:>9}  {:>8}  for 0.5 mm\n", "", "mean", "largest", "of width");
     let mut still = Vec::new();
     for shift in shifts {
         let Some(exactly) = shift.for_half_a_millimetre else {
-            still.push(name(shift));
+            still.push(shift.name());
             continue;
         };
         let (_, unit) = shift.measure.step();
@@ -80,7 +76,7 @@ fn table(shifts: &[Shift], all: usize) -> String {
         };
         lines += &format!(
             "{:wide$}  {:>6.3} mm  {:>6.3} mm  {:>6.2} %  {} {unit}{part}\n",
-            name(shift),
+            shift.name(),
             shift.mean,
             shift.most,
             100.0 * shift.share,

@@ -26,9 +26,7 @@ pub fn draw(shifts: &[Shift], name: &str) -> String {
     vector.text([MARGIN, MARGIN + 10.0], LETTERS, Anchor::Start, 0.0, about);
     let mut y = MARGIN + 14.0;
     for shift in &shown {
-        let (step, unit) = shift.measure.step();
-        let label = format!("{}, {}, {step} {unit}", shift.part, shift.measure.name());
-        vector.text([LEFT - 2.0, y + 0.7 * ROW], LETTERS, Anchor::End, 0.0, label.trim_end());
+        vector.text([LEFT - 2.0, y + 0.7 * ROW], LETTERS, Anchor::End, 0.0, &shift.name());
         let end = |value: f64| LEFT + LONGEST * value / most.max(1e-300);
         let (mean, largest) = (end(shift.mean), end(shift.most));
         let bar = [[LEFT, y + 1.0], [mean, y + 1.0], [mean, y + ROW - 1.0], [LEFT, y + ROW - 1.0]];

@@ -4,6 +4,7 @@
 //! seen at uv' where F'(uv') = F(uv), F' the transport as built.
 
 use crate::geometry::{Frame, Vec3};
+use crate::map::apply_inverse;
 use crate::measure::lattice::LatticeStyle;
 use crate::monitor::Monitor;
 use crate::optics::plate::Plate;
@@ -77,6 +78,14 @@ pub struct Shift {
     pub for_half_a_millimetre: Option<f64>,
     /// Intersections that were compared; the others are not seen in one of the two set-ups.
     pub compared: usize,
+}
+
+impl Shift {
+    /// Part, measure and step in words: "cube, turned about y, 1 degrees".
+    pub fn name(&self) -> String {
+        let (step, unit) = self.measure.step();
+        format!("{}, {}, {step} {unit}", self.part, self.measure.name()).trim_end().to_owned()
+    }
 }
 
 /// The shifts of all measures of all parts, the largest mean first. `lines` x `lines` intersections of the usual lattice are looked at.
@@ -209,11 +218,8 @@ fn seen_at(setup: &Setup, built: &Setup, uv: [f64; 2]) -> Option<[f64; 2]> {
     built.transport(uv, &mut path).st()?;
     let mut seen = uv;
     for _ in 0..ITERATIONS {
-        let (at, [[a, b], [c, d]]) = built.follow_with_jacobian(seen, &mut path);
-        let determinant = a * d - b * c;
-        let off = [st[0] - at[0], st[1] - at[1]];
-        let step =
-            [(d * off[0] - b * off[1]) / determinant, (a * off[1] - c * off[0]) / determinant];
+        let (at, jacobian) = built.follow_with_jacobian(seen, &mut path);
+        let step = apply_inverse(jacobian, [st[0] - at[0], st[1] - at[1]]);
         seen = [seen[0] + step[0], seen[1] + step[1]];
         // NaN where the path ceases to exist, or far beyond the image: it is not seen.
         if !seen.iter().all(|c| (-2.0..=3.0).contains(c)) {

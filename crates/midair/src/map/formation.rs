@@ -3,6 +3,7 @@
 use super::{Map, Status, pixel_at, pixel_centre};
 use crate::transport::{End, Path, Setup, on_display};
 use rayon::prelude::*;
+use std::collections::HashMap;
 
 /// What becomes of an image point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -52,16 +53,35 @@ pub fn formation(setup: &Setup, map: &Map, [width, height]: [usize; 2]) -> Forma
             (classify(end, map), through)
         })
         .collect();
-    let mut wanted: Option<[[f64; 2]; 2]> = None;
-    for &st in followed.iter().filter_map(|(_, st)| st.as_ref()) {
-        let [low, high] = wanted.get_or_insert([st, st]);
-        for axis in 0..2 {
-            low[axis] = low[axis].min(st[axis]);
-            high[axis] = high[axis].max(st[axis]);
-        }
-    }
+    let wanted = reach(followed.iter().filter_map(|(_, st)| *st));
     let points = followed.into_iter().map(|(point, _)| point).collect();
     Formation { width, height, points, wanted }
+}
+
+/// The least and the largest of each coordinate; `None` of no points.
+pub(crate) fn reach(points: impl Iterator<Item = [f64; 2]>) -> Option<[[f64; 2]; 2]> {
+    points.fold(None, |reach: Option<[[f64; 2]; 2]>, point| {
+        let [low, high] = reach.unwrap_or([point; 2]);
+        Some([
+            [low[0].min(point[0]), low[1].min(point[1])],
+            [high[0].max(point[0]), high[1].max(point[1])],
+        ])
+    })
+}
+
+impl Formation {
+    /// Which share of the points each fate has that any of them has.
+    pub fn shares(&self) -> HashMap<ImagePoint, f64> {
+        let mut counts: HashMap<ImagePoint, usize> = HashMap::new();
+        self.points.iter().for_each(|&point| *counts.entry(point).or_default() += 1);
+        let all = self.points.len().max(1) as f64;
+        counts.into_iter().map(|(point, count)| (point, count as f64 / all)).collect()
+    }
+
+    /// The share that is formed.
+    pub fn formed(&self) -> f64 {
+        self.shares().get(&ImagePoint::Formed).copied().unwrap_or(0.0)
+    }
 }
 
 pub(super) fn classify(end: End, map: &Map) -> ImagePoint {

@@ -45,6 +45,13 @@ pub struct Element {
     pub rank: u8,
 }
 
+impl Element {
+    /// Whether a point of the world lies within it; never in a sheet.
+    pub fn holds(&self, point: Vec3) -> bool {
+        self.shape.contains(self.frame.to_local(point))
+    }
+}
+
 /// A set-up ready for tracing: everything placed in the world, indices taken at one wavelength.
 ///
 /// It is complete: light is followed, weighed and shown by what it holds. A changed one is made by its `with_` methods, which share what

@@ -13,7 +13,6 @@ use midair::scene::Loaded;
 use midair::transport::Setup;
 use midair_report::drawing::status_picture::{self, Part};
 use serde_json::{Value, json};
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 pub use stray::Stray;
 
@@ -106,14 +105,10 @@ pub fn write_check(
 
 /// The kinds of image points that there are, the most frequent first, formed ones before all.
 fn parts(setup: &Setup, formation: &Formation) -> Vec<Part> {
-    let mut counts: HashMap<ImagePoint, usize> = HashMap::new();
-    formation.points.iter().for_each(|&point| *counts.entry(point).or_default() += 1);
-    counts.entry(ImagePoint::Formed).or_default();
-    let all = formation.points.len() as f64;
-    let mut parts: Vec<Part> = counts
-        .into_iter()
-        .map(|(point, count)| Part { point, name: reason(setup, point), share: count as f64 / all })
-        .collect();
+    let mut shares = formation.shares();
+    shares.entry(ImagePoint::Formed).or_default();
+    let part = |(point, share)| Part { point, name: reason(setup, point), share };
+    let mut parts: Vec<Part> = shares.into_iter().map(part).collect();
     parts.sort_by(|a, b| {
         let formed = |part: &Part| part.point != ImagePoint::Formed;
         formed(a).cmp(&formed(b)).then(b.share.total_cmp(&a.share)).then(a.name.cmp(&b.name))

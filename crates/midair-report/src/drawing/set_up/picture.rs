@@ -1,6 +1,6 @@
 //! The set-up in perspective.
 
-use super::{LIGHT, fill, ink};
+use super::{Bounds, LIGHT, Pens, farthest_first, paint};
 use crate::drawing::vector::{Anchor, Vector};
 use midair::evaluate::layout::{Body, Layout, Role, View};
 
@@ -35,18 +35,20 @@ pub fn picture(layout: &Layout, name: &str) -> String {
         .collect();
     let bodies = layout.bodies.iter().flat_map(Body::points).map(|p| view.place(p));
     let all = bodies.chain(courses.iter().flatten().copied());
-    let none = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
-    let [x, y] = all.fold(none, |b, p| [0, 1].map(|a| [b[a][0].min(p[a]), b[a][1].max(p[a])]));
+    let Bounds([x, y]) = Bounds::of(all);
     let (across, up) = ((x[1] - x[0]).max(1e-9), (y[1] - y[0]).max(1e-9));
     let factor = ((WIDTH - 2.0 * MARGIN) / across).min(TALLEST / up);
     let height = up * factor + 2.0 * MARGIN;
     let left = 0.5 * (WIDTH - across * factor);
     let at = |p: [f64; 2]| [left + (p[0] - x[0]) * factor, MARGIN + (y[1] - p[1]) * factor];
     let mut vector = Vector::new([WIDTH, (height * 10.0).round() / 10.0]);
-    let mut order: Vec<&Body> = layout.bodies.iter().collect();
-    order.sort_by(|a, b| view.depth(b.centre).total_cmp(&view.depth(a.centre)));
-    for body in &order {
-        draw(&mut vector, body, &view, &at);
+    for body in farthest_first(layout, &view) {
+        let opacity = match body.role {
+            Role::Display => 0.9,
+            Role::Image => 0.75,
+            Role::Plate | Role::Solid | Role::Mirror => 0.35,
+        };
+        paint(&mut vector, body, &view, &at, Pens { opacity, contour: 0.4, lines: 0.3 });
     }
     for course in &courses {
         let points: Vec<_> = course.iter().map(|&p| at(p)).collect();
@@ -68,27 +70,6 @@ pub fn picture(layout: &Layout, name: &str) -> String {
 fn reach(layout: &Layout) -> f64 {
     let far = |p: midair::geometry::Vec3| (p - layout.image).length();
     layout.bodies.iter().flat_map(Body::points).map(far).fold(1.0, f64::max)
-}
-
-fn draw(vector: &mut Vector, body: &Body, view: &View, at: &dyn Fn([f64; 2]) -> [f64; 2]) {
-    let seen = body.seen(view);
-    let opacity = match body.role {
-        Role::Display => 0.9,
-        Role::Image => 0.75,
-        Role::Plate | Role::Solid | Role::Mirror => 0.35,
-    };
-    let style = format!(
-        "fill=\"{}\" fill-opacity=\"{opacity}\" stroke=\"{}\" stroke-width=\"0.4\" stroke-linejoin=\"round\"",
-        fill(body.role),
-        ink(body.role)
-    );
-    let contour: Vec<_> = seen.contour.iter().map(|&p| at(p)).collect();
-    vector.path(&contour, true, &style);
-    let style = format!("fill=\"none\" stroke=\"{}\" stroke-width=\"0.3\"", ink(body.role));
-    for line in &seen.lines {
-        let line: Vec<_> = line.iter().map(|&p| at(p)).collect();
-        vector.path(&line, false, &style);
-    }
 }
 
 /// Names beside their bodies, each moved away from those that stand already.

@@ -1,6 +1,6 @@
 //! The dimensioned drawing: side and top view on one sheet of A4, true to scale.
 
-use super::{INK, LIGHT, fill, ink};
+use super::{Bounds, INK, LIGHT, Pens, farthest_first, paint};
 use crate::drawing::vector::{Anchor, Vector};
 use midair::evaluate::layout::{Body, Layout, Role, View};
 
@@ -19,23 +19,6 @@ const LETTERS: f64 = 2.7;
 /// Millimetres of the set-up to one of the sheet.
 const SCALES: [f64; 14] =
     [0.1, 0.2, 0.5, 1.0, 2.0, 2.5, 4.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 1000.0];
-
-/// A rectangle: least and largest x and y.
-#[derive(Clone, Copy)]
-struct Bounds([[f64; 2]; 2]);
-
-impl Bounds {
-    fn of(points: impl Iterator<Item = [f64; 2]>) -> Self {
-        let none = [f64::INFINITY, f64::NEG_INFINITY];
-        Self(points.fold([none; 2], |bounds, p| {
-            [0, 1].map(|axis| [bounds[axis][0].min(p[axis]), bounds[axis][1].max(p[axis])])
-        }))
-    }
-
-    fn side(&self, axis: usize) -> f64 {
-        self.0[axis][1] - self.0[axis][0]
-    }
-}
 
 /// The drawing of a set-up: its side above, its top below, both to one scale, which is written on it; light's way; distances between the parts'
 /// middles in chains; and a table of the parts. Printed at its own size (A4) it is true to scale.
@@ -147,29 +130,11 @@ impl Figure<'_> {
 
     fn draw(&self, vector: &mut Vector, name: &str) {
         let [[left, _], [bottom, _]] = self.bounds.0;
-        let mut bodies: Vec<&Body> = self.layout.bodies.iter().collect();
-        bodies.sort_by(|a, b| self.view.depth(b.centre).total_cmp(&self.view.depth(a.centre)));
-        for body in &bodies {
-            let seen = body.seen(self.view);
-            let contour: Vec<_> = seen.contour.iter().map(|&p| self.at(p)).collect();
-            let style = format!(
-                "fill=\"{}\" fill-opacity=\"0.35\" stroke=\"{}\" stroke-width=\"0.3\" stroke-linejoin=\"round\"",
-                fill(body.role),
-                ink(body.role)
-            );
-            vector.path(&contour, true, &style);
+        for body in farthest_first(self.layout, self.view) {
             // A rectangle seen along its edge has no contour but a line, which carries the weight.
-            let width = if matches!(body.role, Role::Display | Role::Plate | Role::Image) {
-                0.5
-            } else {
-                0.2
-            };
-            let style =
-                format!("fill=\"none\" stroke=\"{}\" stroke-width=\"{width}\"", ink(body.role));
-            for line in &seen.lines {
-                let line: Vec<_> = line.iter().map(|&p| self.at(p)).collect();
-                vector.path(&line, false, &style);
-            }
+            let lines = if is_rectangle(body) { 0.5 } else { 0.2 };
+            let pens = Pens { opacity: 0.35, contour: 0.3, lines };
+            paint(vector, body, self.view, &|p| self.at(p), pens);
         }
         self.light(vector);
         self.measures(vector);
@@ -214,7 +179,7 @@ impl Figure<'_> {
                 .layout
                 .bodies
                 .iter()
-                .filter(|body| matches!(body.role, Role::Display | Role::Plate | Role::Image))
+                .filter(|body| is_rectangle(body))
                 .map(|body| self.view.place(body.centre)[axis])
                 .collect();
             if self.eye_shown {
@@ -241,7 +206,7 @@ impl Figure<'_> {
                 "fill=\"none\" stroke=\"{INK}\" stroke-width=\"0.1\" stroke-dasharray=\"2 1\""
             );
             for body in &self.layout.bodies {
-                if matches!(body.role, Role::Display | Role::Plate | Role::Image) {
+                if is_rectangle(body) {
                     let at = self.at(self.view.place(body.centre));
                     let to =
                         if axis == 0 { [at[0], foot[1] + 8.5] } else { [foot[0] - 9.5, at[1]] };
@@ -291,6 +256,11 @@ impl Figure<'_> {
             vector.text(at, LETTERS, Anchor::Start, 0.0, &body.name);
         }
     }
+}
+
+/// Display, plate and image: what the set-up is measured by.
+fn is_rectangle(body: &Body) -> bool {
+    matches!(body.role, Role::Display | Role::Plate | Role::Image)
 }
 
 /// A measure between two places: a line with arrows and its number; with the number alone beside it where it is short.

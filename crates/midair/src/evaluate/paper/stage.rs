@@ -2,7 +2,7 @@
 
 use super::super::proof::displacement::interpolated;
 use crate::geometry::{Rectangle, Vec3};
-use crate::map::{Accuracy, Map, invert};
+use crate::map::{Accuracy, Map, apply_inverse, invert, reach};
 use crate::optics::plate::Model;
 use crate::picture::{Picture, display_image};
 use crate::scene::model::{Material, Shape};
@@ -191,11 +191,9 @@ impl Sight {
         // The map is interpolated to a hundredth of its pixel or so: two steps leave rounding.
         for _ in 0..4 {
             self.setup.transport(uv, &mut path).st()?;
-            let (end, [[a, b], [c, d]]) = self.setup.follow_with_jacobian(uv, &mut path);
-            let off = [st[0] - end[0], st[1] - end[1]];
-            let determinant = a * d - b * c;
-            uv[0] += (d * off[0] - b * off[1]) / determinant;
-            uv[1] += (a * off[1] - c * off[0]) / determinant;
+            let (end, jacobian) = self.setup.follow_with_jacobian(uv, &mut path);
+            let step = apply_inverse(jacobian, [st[0] - end[0], st[1] - end[1]]);
+            uv = [uv[0] + step[0], uv[1] + step[1]];
         }
         let end = self.setup.transport(uv, &mut path).st()?;
         // A nanometre on a display of a metre: where steps do not lead there, the point lies at an edge.
@@ -210,21 +208,15 @@ const PROBES: usize = 48;
 /// The part of the display's plane that the whole image needs, with a little more around.
 fn covering(setup: &Setup) -> Option<Rectangle> {
     let mut path = Path::new();
-    let mut bounds: Option<([f64; 2], [f64; 2])> = None;
-    for index in 0..(PROBES + 1) * (PROBES + 1) {
+    let asked_for = (0..(PROBES + 1) * (PROBES + 1)).filter_map(|index| {
         let uv = [index % (PROBES + 1), index / (PROBES + 1)].map(|i| i as f64 / PROBES as f64);
-        // An edge that a line of sight only grazes throws its light anywhere: not a display for that.
-        if let End::Display { st, through_plate: true } = setup.transport(uv, &mut path)
-            && st.iter().all(|c| (-2.0..=3.0).contains(c))
-        {
-            let (low, high) = bounds.unwrap_or((st, st));
-            bounds = Some((
-                [low[0].min(st[0]), low[1].min(st[1])],
-                [high[0].max(st[0]), high[1].max(st[1])],
-            ));
+        match setup.transport(uv, &mut path) {
+            End::Display { st, through_plate: true } => Some(st),
+            _ => None,
         }
-    }
-    let (low, high) = bounds?;
+    });
+    // An edge that a line of sight only grazes throws its light anywhere: not a display for that.
+    let [low, high] = reach(asked_for.filter(|st| st.iter().all(|c| (-2.0..=3.0).contains(c))))?;
     let mut display = setup.display;
     display.frame.origin =
         setup.display.point([0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])]);

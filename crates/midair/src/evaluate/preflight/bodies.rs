@@ -14,8 +14,7 @@ const LINES: usize = 64;
 pub(super) fn findings(setup: &Setup, scene: &Scene) -> Vec<Finding> {
     let mut findings = Vec::new();
     for crowd in crowded(setup) {
-        let severity = Severity::Fault;
-        let finding = Finding::new(Kind::StandingIn, severity, crowd.sentence(setup));
+        let finding = Finding::new(Kind::StandingIn, Severity::Fault, crowd.sentence(setup));
         findings.push(apart(finding, setup, scene));
     }
     findings.extend(image_in_mirrors(setup));
@@ -233,17 +232,14 @@ fn two_elements(a: &Element, b: &Element, stated: bool) -> Option<Finding> {
     for ray in lines_through(b) {
         let in_a = a.shape.chords(&ray.to_local(&a.frame));
         if solid(b) {
-            for [from, to] in b.shape.chords(&ray.to_local(&b.frame)) {
-                let shared: f64 =
-                    in_a.iter().map(|c| (c[1].min(to) - c[0].max(from)).max(0.0)).sum();
+            let in_b = b.shape.chords(&ray.to_local(&b.frame));
+            for &chord in &in_b {
+                let shared = shared(chord, &in_a);
                 within = within.max(shared);
-                outside = outside.max(to - from - shared);
+                outside = outside.max(chord[1] - chord[0] - shared);
             }
-            let of_b = b.shape.chords(&ray.to_local(&b.frame));
-            for [from, to] in in_a {
-                let shared: f64 =
-                    of_b.iter().map(|c| (c[1].min(to) - c[0].max(from)).max(0.0)).sum();
-                of_a_outside = of_a_outside.max(to - from - shared);
+            for chord in in_a {
+                of_a_outside = of_a_outside.max(chord[1] - chord[0] - shared(chord, &in_b));
             }
         } else {
             for t in b.shape.meetings(&ray.to_local(&b.frame)) {
@@ -278,6 +274,11 @@ fn two_elements(a: &Element, b: &Element, stated: bool) -> Option<Finding> {
         Finding::new(Kind::StandingIn, Severity::Warning, sentence)
             .remedy("move one of them until they only touch"),
     )
+}
+
+/// How much of a chord lies in some of another solid's, mm.
+fn shared([from, to]: [f64; 2], others: &[[f64; 2]]) -> f64 {
+    others.iter().map(|c| (c[1].min(to) - c[0].max(from)).max(0.0)).sum()
 }
 
 /// Lines through an element's box, along its three axes.

@@ -2,7 +2,9 @@
 
 use super::finding::{Finding, degrees, millimetres};
 use super::place::Floating;
+use super::places;
 use crate::geometry::{Frame, Rectangle};
+use crate::map::reach;
 use crate::scene::model::Scene;
 use crate::transport::{End, Path, Setup};
 use serde::{Serialize, Serializer};
@@ -30,8 +32,6 @@ fn corners<S: Serializer>(corners: &[[f64; 2]; 2], serializer: S) -> Result<S::O
     corners.map(|corner| corner.map(|c| (c * 1e6).round() / 1e6)).serialize(serializer)
 }
 
-/// Image points along each side that are followed, edges included.
-const GRID: usize = 65;
 /// Room around what the followed points ask for, as a share of it: between two of them an edge bends by less.
 const ROOM: f64 = 0.005;
 /// A display is not advised beyond this many times the present one.
@@ -86,19 +86,13 @@ impl DisplayAdvice {
 /// The part of the display's plane that the image, `scale` times as large about its centre, asks for. `None` where nothing gets through the plate.
 fn wanted(setup: &Setup, scale: f64) -> Option<[[f64; 2]; 2]> {
     let mut path = Path::new();
-    let mut wanted: Option<[[f64; 2]; 2]> = None;
-    for index in 0..GRID * GRID {
-        let uv = [index % GRID, index / GRID]
-            .map(|k| (k as f64 / (GRID - 1) as f64 - 0.5) * scale + 0.5);
-        if let End::Display { st, through_plate: true } = setup.transport(uv, &mut path) {
-            let [low, high] = wanted.get_or_insert([st, st]);
-            for axis in 0..2 {
-                low[axis] = low[axis].min(st[axis]);
-                high[axis] = high[axis].max(st[axis]);
-            }
+    reach(places().filter_map(|uv| {
+        let uv = uv.map(|c| (c - 0.5) * scale + 0.5);
+        match setup.transport(uv, &mut path) {
+            End::Display { st, through_plate: true } => Some(st),
+            _ => None,
         }
-    }
-    wanted
+    }))
 }
 
 /// The largest share of the image, about its centre, that no unreasonable display is needed for; `None` where not even a small one is.
@@ -174,19 +168,12 @@ const LARGEST_PLATE: f64 = 1000.0;
 pub(super) fn plate_remedy(finding: Finding, setup: &Setup) -> Finding {
     let plate = &setup.plate.rectangle;
     let mut path = Path::new();
-    let mut asked: Option<[[f64; 2]; 2]> = None;
-    for index in 0..GRID * GRID {
-        let uv = [index % GRID, index / GRID].map(|k| k as f64 / (GRID - 1) as f64);
+    let asked = reach(places().filter_map(|uv| {
         let ray = setup.ray(uv);
         setup.trace(ray, &mut path);
-        let Some(left) = setup.remainder(ray, &path) else { continue };
-        let local = plate.frame.to_local(left.at_plate.origin);
-        let [low, high] = asked.get_or_insert([[local.x, local.y]; 2]);
-        for (axis, place) in [local.x, local.y].into_iter().enumerate() {
-            low[axis] = low[axis].min(place);
-            high[axis] = high[axis].max(place);
-        }
-    }
+        let met = plate.frame.to_local(setup.remainder(ray, &path)?.at_plate.origin);
+        Some([met.x, met.y])
+    }));
     let Some([low, high]) = asked else {
         return finding.remedy("no line of sight meets the plate's plane: move the plate behind the image as the eye sees it");
     };

@@ -163,7 +163,7 @@ fn better_viewpoint(setup: &Setup, model: &Model, now: f64) -> Option<Vec3> {
         let facing = setup.image.frame.normal().dot(eye - centre) / sight.length();
         let through = seen(&there, model, 3);
         // Seen from its front at less than 60 degrees, and all of it.
-        if facing > 0.5 && through.len() == 9 && setup.elements.iter().all(|e| !holds(e, eye)) {
+        if facing > 0.5 && through.len() == 9 && setup.elements.iter().all(|e| !e.holds(eye)) {
             let plate = through.iter().map(|s| s.plate).sum::<f64>() / 9.0;
             tried.push((degrees, eye, plate));
         }
@@ -174,8 +174,4 @@ fn better_viewpoint(setup: &Setup, model: &Model, now: f64) -> Option<Vec3> {
     }
     let good = tried.into_iter().filter(|t| t.2 >= 0.8 * most);
     good.min_by_key(|t: &(i32, Vec3, f64)| t.0.abs()).map(|t| t.1)
-}
-
-fn holds(element: &crate::transport::Element, point: Vec3) -> bool {
-    element.shape.contains(element.frame.to_local(point))
 }

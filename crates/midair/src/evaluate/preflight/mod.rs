@@ -22,7 +22,6 @@ use crate::map::{Formation, ImagePoint, Map};
 use crate::scene::model::Scene;
 use crate::transport::Setup;
 use serde::Serialize;
-use std::collections::HashMap;
 
 /// What is to be known of a set-up before it is built.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -65,6 +64,14 @@ impl Preflight {
     }
 }
 
+/// Image points along each side that are followed, edges included.
+const GRID: usize = 65;
+
+/// The image points that are followed, row by row.
+fn places() -> impl Iterator<Item = [f64; 2]> {
+    (0..GRID * GRID).map(|index| [index % GRID, index / GRID].map(|k| k as f64 / (GRID - 1) as f64))
+}
+
 /// What becomes of an image point, in words.
 pub fn reason(setup: &Setup, point: ImagePoint) -> String {
     match point {
@@ -90,11 +97,7 @@ fn not_formed(
     formation: &Formation,
     display: Option<&DisplayAdvice>,
 ) -> Vec<Finding> {
-    let mut counts: HashMap<ImagePoint, usize> = HashMap::new();
-    formation.points.iter().for_each(|&point| *counts.entry(point).or_default() += 1);
-    let all = formation.points.len().max(1) as f64;
-    let mut shares: Vec<_> =
-        counts.into_iter().map(|(point, count)| (point, count as f64 / all)).collect();
+    let mut shares: Vec<_> = formation.shares().into_iter().collect();
     shares.sort_by(|a, b| b.1.total_cmp(&a.1).then(reason(setup, a.0).cmp(&reason(setup, b.0))));
     let mut findings = Vec::new();
     for (point, share) in shares {

@@ -2,12 +2,10 @@
 
 use super::bodies::boxes_meet;
 use super::finding::{Finding, Kind, Severity};
+use super::places;
 use crate::evaluate::percent;
-use crate::geometry::Vec3;
 use crate::transport::{Action, Element, Matter, Path, Setup};
 
-/// Image points along each side that are followed, edges included.
-const GRID: usize = 65;
 /// Places along each edge of the image.
 const EDGE: usize = 64;
 
@@ -18,17 +16,13 @@ pub(super) fn findings(setup: &Setup) -> Vec<Finding> {
     findings
 }
 
-fn holds(element: &Element, point: Vec3) -> bool {
-    element.shape.contains(element.frame.to_local(point))
-}
-
 fn solids(setup: &Setup) -> impl Iterator<Item = &Element> {
     setup.elements.iter().filter(|e| matches!(e.matter, Matter::Refractive { .. }))
 }
 
 /// A scene file that says so is refused; a set-up that a program made is told.
 fn eye_inside(setup: &Setup) -> Vec<Finding> {
-    let around = setup.elements.iter().filter(|element| holds(element, setup.viewpoint));
+    let around = setup.elements.iter().filter(|element| element.holds(setup.viewpoint));
     around
         .map(|element| {
             let sentence = format!("the viewpoint lies inside \"{}\"", element.name);
@@ -42,8 +36,7 @@ fn eye_inside(setup: &Setup) -> Vec<Finding> {
 fn unmet(setup: &Setup) -> Vec<Finding> {
     let mut met = vec![false; setup.elements.len()];
     let mut path = Path::new();
-    for index in 0..GRID * GRID {
-        let uv = [index % GRID, index / GRID].map(|k| k as f64 / (GRID - 1) as f64);
+    for uv in places() {
         setup.transport(uv, &mut path);
         for step in path.iter().filter(|step| step.action != Action::Plate) {
             met[usize::from(step.element)] = true;
@@ -65,7 +58,7 @@ fn unmet(setup: &Setup) -> Vec<Finding> {
 
 /// An image whose middle lies in a solid and whose edge does not.
 fn sticks_out(setup: &Setup) -> Option<Finding> {
-    let inside = |uv: [f64; 2]| solids(setup).find(|e| holds(e, setup.image.point(uv)));
+    let inside = |uv: [f64; 2]| solids(setup).find(|e| e.holds(setup.image.point(uv)));
     let object = inside([0.5; 2])?;
     let edge = |scale: f64| {
         (0..4 * EDGE).map(move |k| {

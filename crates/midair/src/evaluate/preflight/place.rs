@@ -2,7 +2,8 @@
 
 use super::coverage::DisplayAdvice;
 use super::finding::{Finding, Kind, Severity};
-use crate::geometry::{Frame, Vec3};
+use crate::geometry::Frame;
+use crate::optics::plate::floating_place;
 use crate::transport::Setup;
 use serde::Serialize;
 
@@ -28,17 +29,10 @@ const STEEP: f64 = 80.0;
 
 impl Floating {
     pub(super) fn of(setup: &Setup) -> Self {
-        let mut point = setup.plate.rectangle.mirrored(setup.display.frame.origin);
-        let mut normal = setup.plate.rectangle.mirrored_direction(setup.display.frame.normal());
-        // Back through the mirrors, the one farthest from the viewer first.
-        let mut mirrors: Vec<Frame> = setup.mirrors().map(|mirror| mirror.frame).collect();
-        let distance = |m: &Frame| (m.origin - setup.viewpoint).squared_length();
-        mirrors.sort_by(|a, b| distance(b).total_cmp(&distance(a)));
-        for mirror in mirrors {
-            let n = mirror.normal();
-            let flip = |v: Vec3| v - n * (2.0 * v.dot(n));
-            (point, normal) = (mirror.origin + flip(point - mirror.origin), flip(normal));
-        }
+        let mirrors: Vec<Frame> = setup.mirrors().map(|mirror| mirror.frame).collect();
+        let plate = &setup.plate.rectangle.frame;
+        let there = floating_place(setup.display.frame, &mirrors, plate, setup.viewpoint);
+        let (point, normal) = (there.origin, there.normal());
         let image = setup.image.frame;
         let cosine = image.normal().dot(normal);
         let tilt = cosine.abs().min(1.0).acos().to_degrees();

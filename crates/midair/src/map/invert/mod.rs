@@ -31,6 +31,7 @@ use pixels::Raster;
 use plan::plan;
 
 pub use inverse::{Inverse, InverseRows};
+pub(crate) use newton::apply_inverse;
 
 use super::{Map, Status};
 use crate::transport::Setup;

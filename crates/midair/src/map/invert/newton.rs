@@ -89,7 +89,7 @@ impl Solution {
 }
 
 /// `jacobian^-1 * v`.
-pub(super) fn apply_inverse([[a, b], [c, d]]: [[f64; 2]; 2], v: [f64; 2]) -> [f64; 2] {
+pub(crate) fn apply_inverse([[a, b], [c, d]]: [[f64; 2]; 2], v: [f64; 2]) -> [f64; 2] {
     let inverse = 1.0 / (a * d - b * c);
     [(d * v[0] - b * v[1]) * inverse, (a * v[1] - c * v[0]) * inverse]
 }

@@ -38,12 +38,24 @@ pub fn display_place(
 /// The image's frame mirrored in each flat mirror, nearest the viewer first: what the plate has to form. The frame is left-handed
 /// after an odd number of mirrors.
 pub fn virtual_image(image: Frame, mirrors: &[Frame], viewpoint: Vec3) -> Frame {
+    nearest_first(mirrors, viewpoint).iter().fold(image, |image, mirror| mirrored(mirror, image))
+}
+
+/// Where the image of a display floats: its frame mirrored in the plate, then in the flat mirrors from the one farthest from the viewer on. What
+/// [`display_place`] of an ideal plate undoes.
+pub fn floating_place(display: Frame, mirrors: &[Frame], plate: &Frame, viewpoint: Vec3) -> Frame {
+    let behind_mirrors = mirrored(plate, display);
+    let mirrors = nearest_first(mirrors, viewpoint);
+    mirrors.iter().rev().fold(behind_mirrors, |frame, mirror| mirrored(mirror, frame))
+}
+
+fn nearest_first(mirrors: &[Frame], viewpoint: Vec3) -> Vec<Frame> {
     let mut mirrors = mirrors.to_vec();
     mirrors.sort_by(|a, b| {
         let [a, b] = [a, b].map(|m| (m.origin - viewpoint).squared_length());
         a.total_cmp(&b)
     });
-    mirrors.iter().fold(image, |image, mirror| mirrored(mirror, image))
+    mirrors
 }
 
 /// `frame` mirrored in the plane z = 0 of `mirror`.

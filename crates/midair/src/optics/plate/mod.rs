@@ -13,7 +13,7 @@ mod model;
 mod shares;
 pub mod slit_mirror;
 
-pub use belongs::{display_place, virtual_image};
+pub use belongs::{display_place, floating_place, virtual_image};
 pub use ideal::pass_ideal;
 pub use layer_planes::LayerPlanes;
 pub use luminance_table::{LuminanceTable, viewing_angles, viewing_direction};
