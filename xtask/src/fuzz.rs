@@ -114,7 +114,8 @@ fn build() -> Result<PathBuf> {
 fn lay_down_seeds() -> Result<()> {
     let missing = |target: &Target| !seeds().join(target.name()).is_dir();
     if Target::value_variants().iter().any(missing) {
-        let mut command = process::cargo(&["test", "--quiet", "--package", "midair"]);
+        let mut command =
+            process::cargo(&["test", "--quiet", "--package", "midair", "--lib", "--tests"]);
         process::run(command.env(midair_peers::corpus::CORPUS, seeds()))?;
     }
     Ok(())

@@ -4,13 +4,10 @@
 //! else is the library's.
 
 mod arguments;
-mod colour_facts;
 mod commands;
-mod facts;
 mod failure;
 mod output;
 mod progress;
-mod report_page;
 mod summary;
 
 use clap::Parser;

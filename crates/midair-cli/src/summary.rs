@@ -1,9 +1,8 @@
 //! What a command says when it is done: a few lines, or JSON.
 
 use crate::failure::Failure;
-use midair::map::Counts;
 use midair::map::format::FileError;
-pub use midair_report::percent;
+pub use midair_report::{counts_line, percent};
 use serde_json::{Value, json};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -53,18 +52,6 @@ pub fn print(text: &str) -> Result<(), Failure> {
         }
         _ => Ok(()),
     }
-}
-
-/// A map's pixels by status, in fractions of all of them.
-pub fn counts_line(counts: &Counts) -> String {
-    let share = |count: usize| percent(count as f64 / counts.all().max(1) as f64);
-    format!(
-        "{} of the display's pixels are ok, {} folded, {} outside, {} blocked",
-        share(counts.ok),
-        share(counts.folded),
-        share(counts.outside),
-        share(counts.blocked)
-    )
 }
 
 /// Stages and their times in ms, as in report.json.

@@ -1,10 +1,28 @@
-//! What midair finds, as pictures and pages for people: nothing is computed here but how it looks.
+//! What midair finds, in words, pictures and pages for people: nothing is computed here but how it looks.
 //!
 //! [`page`] is a page that stands on its own, with charts, tables and pictures; [`drawing`] makes pictures with legends and
-//! scales; [`paper`] sets the paper's evaluation into its layout.
+//! scales; [`proof`], [`orbit`] and [`paper`] set into pages what those evaluations found, [`character`] draws a plate's, [`stray`] its stray light.
 
+pub mod character;
 pub mod drawing;
+pub mod orbit;
 pub mod page;
 pub mod paper;
+pub mod proof;
+pub mod stray;
 
 pub use midair::evaluate::percent;
+
+use midair::map::Counts;
+
+/// A map's pixels by status, in fractions of all of them.
+pub fn counts_line(counts: &Counts) -> String {
+    let share = |count: usize| percent(count as f64 / counts.all().max(1) as f64);
+    format!(
+        "{} of the display's pixels are ok, {} folded, {} outside, {} blocked",
+        share(counts.ok),
+        share(counts.folded),
+        share(counts.outside),
+        share(counts.blocked)
+    )
+}

@@ -42,7 +42,9 @@ pub struct Place {
 ///
 /// Every error of the library becomes one of these by `?`; the parts keep their own types, so that callers of a single floor can tell them
 /// apart.
-pub struct Error {
+pub struct Error(Box<Parts>);
+
+struct Parts {
     kind: Kind,
     place: Option<Place>,
     message: String,
@@ -57,38 +59,38 @@ impl Error {
     }
 
     fn new(kind: Kind, place: Option<Place>, message: String, remedy: Option<String>) -> Self {
-        Self { kind, place, message, remedy, source: None }
+        Self(Box::new(Parts { kind, place, message, remedy, source: None }))
     }
 
     /// What kind of thing is wrong.
     pub fn kind(&self) -> Kind {
-        self.kind
+        self.0.kind
     }
 
     /// Where, if it is in a file.
     pub fn place(&self) -> Option<&Place> {
-        self.place.as_ref()
+        self.0.place.as_ref()
     }
 
     /// What is wrong, without the place.
     pub fn message(&self) -> &str {
-        &self.message
+        &self.0.message
     }
 
     /// What helps.
     pub fn remedy(&self) -> Option<&str> {
-        self.remedy.as_deref()
+        self.0.remedy.as_deref()
     }
 
     /// The fault in a scene's text, with the line to show.
     pub fn scene(&self) -> Option<&SceneError> {
-        self.source.as_deref()?.downcast_ref()
+        self.0.source.as_deref()?.downcast_ref()
     }
 }
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(Place { file, line, part }) = &self.place {
+        if let Some(Place { file, line, part }) = &self.0.place {
             write!(f, "{file}")?;
             if let Some(line) = line {
                 write!(f, ":{line}")?;
@@ -98,7 +100,7 @@ impl fmt::Display for Error {
             }
             write!(f, ": ")?;
         }
-        write!(f, "{}", self.message)
+        write!(f, "{}", self.0.message)
     }
 }
 
@@ -106,7 +108,7 @@ impl fmt::Debug for Error {
     /// As people read it: this is what `main` prints.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{self}")?;
-        match &self.remedy {
+        match &self.0.remedy {
             Some(remedy) => write!(f, "\n  help: {remedy}"),
             None => Ok(()),
         }
@@ -115,7 +117,7 @@ impl fmt::Debug for Error {
 
 impl std::error::Error for Error {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        self.source.as_deref().map(|source| source as _)
+        self.0.source.as_deref().map(|source| source as _)
     }
 }
 
@@ -124,8 +126,9 @@ impl From<SceneError> for Error {
         let (file, line) = error.file_and_line();
         let place = Place { file: file.to_owned(), line, part: None };
         let (message, remedy) = (error.message.clone(), Some(error.help.clone()));
-        let source = Some(Box::new(error) as _);
-        Self { source, ..Self::new(Kind::Scene, Some(place), message, remedy) }
+        let mut told = Self::new(Kind::Scene, Some(place), message, remedy);
+        told.0.source = Some(Box::new(error));
+        told
     }
 }
 
@@ -150,8 +153,9 @@ impl From<FileError> for Error {
             FileError::Io { path, doing, source } => {
                 let message = format!("cannot {doing}: {source}");
                 let remedy = Some(io_remedy(&source).to_owned());
-                let source = Some(Box::new(source) as _);
-                Self { source, ..Self::new(Kind::File, at(&path, None), message, remedy) }
+                let mut told = Self::new(Kind::File, at(&path, None), message, remedy);
+                told.0.source = Some(Box::new(source));
+                told
             }
         }
     }

@@ -350,3 +350,63 @@ print('fortran.npy')
     }
     assert_eq!(files, 3 * (6 + 3) + 3);
 }
+
+/// The same map, opened and saved again by NumPy and OpenCV in the forms that they have.
+#[test]
+fn arrays_texts_and_pictures_saved_by_other_tools_are_the_same_map() {
+    let Some(python) = midair_peers::python() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let map = bent_map();
+    write_map(&map, SOURCE, Format::Npy, &at("map.npy")).unwrap();
+    write_map(&map, SOURCE, Format::Png16, &at("map.png")).unwrap();
+    write_map(&map, SOURCE, Format::Ffmpeg, &at("map.pgm")).unwrap();
+    let script = "
+import cv2, glob, numpy, os, sys
+folder = sys.argv[1] + '/'
+uv = numpy.load(folder + 'map.npy')
+for name, array in [('half', uv.astype(numpy.float16)), ('single', uv.astype('<f4')), ('big', uv.astype('>f8')), ('fortran', numpy.asfortranarray(uv))]:
+    numpy.save(folder + name + '.npy', array)
+    print(name + '.npy')
+assert cv2.imwrite(folder + 'again.png', cv2.imread(folder + 'map.png', cv2.IMREAD_UNCHANGED))
+print('again.png')
+twins = sorted(glob.glob(folder + 'map*.pgm'))
+assert len(twins) == 2, twins
+for twin in twins:
+    name = os.path.basename(twin).replace('map', 'text')
+    assert cv2.imwrite(folder + name, cv2.imread(twin, cv2.IMREAD_UNCHANGED), [cv2.IMWRITE_PXM_BINARY, 0])
+    assert open(folder + name, 'rb').read(2) == b'P2'
+print(os.path.basename(twins[0]).replace('map', 'text'))
+";
+    let output = Command::new(&python).args(["-c", script]).arg(folder.path()).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let told = String::from_utf8(output.stdout).unwrap();
+    let names: Vec<&str> = told.lines().collect();
+    assert_eq!(names.len(), 6);
+    let as_written = |name: &str| read_map(&at(name), None, Some(SOURCE)).unwrap().map;
+    for name in names {
+        let back = read_map(&at(name), None, Some(SOURCE)).unwrap().map;
+        // What the format itself makes of the map, and what fewer bits do to values up to 1.
+        let (of, step) = match name {
+            "half.npy" => ("map.npy", 2f64.powi(-12)),
+            "single.npy" => ("map.npy", 2f64.powi(-25)),
+            "big.npy" | "fortran.npy" => ("map.npy", 0.0),
+            "again.png" => ("map.png", 0.0),
+            _ => ("map.pgm", 0.0),
+        };
+        let wanted = match of {
+            "map.pgm" => as_written(&name.replace("text", "map")),
+            of => as_written(of),
+        };
+        let (mut compared, mut answered) = (0, 0);
+        for (told, uv) in back.uv.iter().zip(&wanted.uv) {
+            assert_eq!(told[0].is_nan(), uv[0].is_nan(), "{name}: {told:?} {uv:?}");
+            compared += 1;
+            if !uv[0].is_nan() {
+                assert!((0..2).all(|c| (told[c] - uv[c]).abs() <= step), "{name}: {told:?} {uv:?}");
+                answered += 1;
+            }
+        }
+        assert!(compared == 83 * 59 && answered > compared / 2, "{name}: {answered} {compared}");
+    }
+}

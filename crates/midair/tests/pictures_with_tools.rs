@@ -207,3 +207,56 @@ OpenEXR.File(head(OpenEXR.ZIP_COMPRESSION), {'R': zero, 'G': zero, 'B': zero, 'A
         }
     }
 }
+
+/// JPEG files of all forms that libjpeg writes: read when whole, refused when cut, an end put behind the cut or not.
+#[test]
+fn whole_jpegs_of_every_form_are_read_and_cut_ones_refused() {
+    let Some(python) = midair_peers::python() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let script = "
+import sys, numpy
+from PIL import Image
+folder = sys.argv[1] + '/'
+noise = numpy.random.default_rng(1).integers(0, 256, (83, 117, 3), dtype=numpy.uint8)
+ramp = numpy.linspace(0, 255, 83 * 117 * 3).astype(numpy.uint8).reshape(83, 117, 3)
+for content, pixels in ('noise', noise), ('ramp', ramp):
+    for progressive in False, True:
+        for subsampling in 0, 1, 2:
+            for restart in 0, 3:
+                for mode in 'RGB', 'L':
+                    name = f'{content}-{progressive}-{subsampling}-{restart}-{mode}.jpg'
+                    Image.fromarray(pixels).convert(mode).save(folder + name, quality=85, progressive=progressive,
+                        optimize=progressive, subsampling=subsampling, restart_marker_blocks=restart)
+                    print(name)
+";
+    let output = Command::new(&python).args(["-c", script]).arg(folder.path()).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let told = String::from_utf8(output.stdout).unwrap();
+    let (mut whole, mut cut) = (0, 0);
+    for name in told.lines() {
+        let path = folder.path().join(name);
+        let picture = read_still(&path).unwrap_or_else(|error| panic!("{name}: {error}")).picture;
+        assert_eq!([picture.width, picture.height], [117, 83]);
+        whole += 1;
+        let bytes = std::fs::read(&path).unwrap();
+        let scans = bytes.windows(2).position(|pair| pair == [0xff, 0xda]).unwrap();
+        for share in [0.0, 0.3, 0.6, 0.9, 0.98] {
+            // Not within the marker that follows the last whole scan.
+            let length = scans + 16 + ((bytes.len() - scans - 24) as f64 * share) as usize;
+            for end in [&[][..], &[0xff, 0xd9]] {
+                let file = folder.path().join("cut.jpg");
+                std::fs::write(&file, [&bytes[..length], end].concat()).unwrap();
+                // A progressive picture that lacks whole scans is coarse, and whole by its own account.
+                let between = bytes[length..].starts_with(&[0xff, 0xc4])
+                    || bytes[length..].starts_with(&[0xff, 0xda]);
+                if !between {
+                    let error =
+                        read_still(&file).err().unwrap_or_else(|| panic!("{name} {length}"));
+                    assert!(error.to_string().contains("cut.jpg"), "{error}");
+                    cut += 1;
+                }
+            }
+        }
+    }
+    assert!(whole == 48 && cut > 450, "{whole} {cut}");
+}

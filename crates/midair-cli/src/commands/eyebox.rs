@@ -4,15 +4,13 @@ use super::compensate::{write_maps, write_report};
 use crate::arguments::{Point, Size, map_formats, open_picture, open_scene};
 use crate::failure::Failure;
 use crate::progress::Bar;
-use crate::summary::{Voice, milliseconds, number, paths, wrote};
-use midair::Monitor as _;
-use midair::evaluate::eyebox::{Remaining, compromise, region, remaining, two_eyes};
+use crate::summary::{Voice, milliseconds, paths, wrote};
+use midair::evaluate::eyebox::{Eye, check_count, eyebox, region, two_eyes};
 use midair::geometry::Vec3;
 use midair::map::format::Format;
-use midair::map::{Accuracy, Map, invert};
 use midair::picture::{display_image, write_still};
 use midair::transport::Setup;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -53,25 +51,14 @@ pub struct Arguments {
     format: Vec<Format>,
 }
 
-/// Maps that may be held at once: pixels of them all.
-const MOST_PIXELS: usize = 1 << 27;
-
 pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let loaded = open_scene(&arguments.scene, arguments.size)?;
     let mut notes = loaded.notes.clone();
     let still = arguments.image.as_ref().map(|path| open_picture(path, &mut notes)).transpose()?;
     let setup = Setup::new(&loaded)?;
-    let [width, height] = setup.resolution;
     let grid = arguments.grid.0;
-    let count = match arguments.region {
-        Some(_) => grid[0].saturating_mul(grid[1]),
-        None => arguments.viewpoint.len().max(2),
-    };
-    if count.saturating_mul(width * height) > MOST_PIXELS {
-        return Err(Failure::new(
-            format!("{count} maps of {width} x {height} pixels are too much to hold"),
-            "ask for fewer viewpoints, or a smaller --size",
-        ));
+    if arguments.region.is_some() {
+        check_count(&setup, grid[0].saturating_mul(grid[1]))?;
     }
     let eyes: Vec<Vec3> = match (arguments.region, &arguments.viewpoint[..]) {
         (Some(Size(size)), _) => region(&setup, size.map(|mm| mm as f64), grid),
@@ -81,49 +68,28 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let mut output = crate::output::into_folder(&arguments.out)?;
     let start = Instant::now();
     let bar = Bar::new();
-    bar.stage("maps", eyes.len() + 1);
-    let map_from = |viewpoint: Vec3| -> Map {
-        let (map, _) = invert(&setup.with_viewpoint(viewpoint), Accuracy::default());
-        bar.advance(1);
-        map
-    };
-    let single = map_from(setup.viewpoint);
-    let maps: Vec<Map> = eyes.iter().map(|&eye| map_from(eye)).collect();
+    let found = eyebox(&setup, &eyes, &bar)?;
     bar.finish();
-    let Some(map) = compromise(&maps) else {
-        return Err(Failure::new("there is no viewpoint", "give --ipd, --region or --viewpoint"));
-    };
+    let map = &found.map;
     let counts = map.counts();
     if counts.ok + counts.folded == 0 {
         notes.push("no display pixel reaches the image from any of the viewpoints".to_owned());
     }
     if let Some(still) = &still {
-        let display = display_image(&still.picture, &map);
+        let display = display_image(&still.picture, map);
         output.write("display.png", |path| write_still(path, &display, still.depth))?;
     }
     let source = match &still {
         Some(still) => [still.picture.width, still.picture.height],
-        None => setup.view_size(width),
+        None => setup.view_size(setup.resolution[0]),
     };
-    notes.extend(write_maps(&mut output, &map, None, "map", source, &arguments.format)?);
-    let size = setup.image.size;
-    let left: Vec<[Remaining; 2]> =
-        maps.iter().map(|own| [&map, &single].map(|shown| remaining(shown, own, size))).collect();
-    let mut report = json!({
-        "midair": env!("CARGO_PKG_VERSION"),
-        "command": "eyebox",
-        "scene": loaded.scene.name,
-        "size": setup.resolution,
-        "status": counts,
-        "viewpoints": eyes.iter().zip(&left).map(|(eye, [compromise, single])| json!({
-            "position": [eye.x, eye.y, eye.z],
-            "compromise_mm": told(compromise),
-            "single_mm": told(single),
-        })).collect::<Vec<_>>(),
-        "all": { "compromise_rms_mm": number(rms(&left, 0)), "single_rms_mm": number(rms(&left, 1)) },
-        "timings_ms": { "maps": milliseconds(start.elapsed()) },
-        "notes": notes,
-    });
+    notes.extend(write_maps(&mut output, map, None, "map", source, &arguments.format)?);
+    let mut report = json!(found);
+    report["midair"] = json!(env!("CARGO_PKG_VERSION"));
+    report["command"] = json!("eyebox");
+    report["scene"] = json!(loaded.scene.name);
+    report["timings_ms"] = json!({ "maps": milliseconds(start.elapsed()) });
+    report["notes"] = json!(notes);
     write_report(&mut output, &report)?;
     let files = output.finish()?;
     voice.note(&notes);
@@ -131,30 +97,20 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         "{}: displacement that remains, mm on the image's plane (mean, largest)\n  viewpoint                     compromise        one viewpoint's map\n",
         loaded.scene.name
     );
-    for (eye, [compromise, single]) in eyes.iter().zip(&left).take(20) {
-        let place = format!("({:.1}, {:.1}, {:.1})", eye.x, eye.y, eye.z);
+    for Eye { position: [x, y, z], compromise, single } in found.eyes.iter().take(20) {
+        let place = format!("({x:.1}, {y:.1}, {z:.1})");
         lines += &format!(
             "  {place:28} {:7.3} {:7.3}   {:7.3} {:7.3}\n",
             compromise.mean, compromise.max, single.mean, single.max
         );
     }
+    let [all, alone] = found.rms();
     lines += &format!(
         "  root mean square of all       {:7.3}           {:7.3}\n{}",
-        rms(&left, 0),
-        rms(&left, 1),
+        all,
+        alone,
         wrote(&files)
     );
     report["files"] = paths(&files);
     voice.tell(&lines, &report)
-}
-
-fn told(left: &Remaining) -> Value {
-    json!({ "pixels": left.pixels, "rms": number(left.rms), "mean": number(left.mean), "max": number(left.max) })
-}
-
-/// Over all viewpoints and pixels.
-fn rms(left: &[[Remaining; 2]], which: usize) -> f64 {
-    let known = || left.iter().map(|both| both[which]).filter(|left| left.pixels > 0);
-    let squares: f64 = known().map(|left| left.rms.powi(2) * left.pixels as f64).sum();
-    (squares / known().map(|left| left.pixels as f64).sum::<f64>()).sqrt()
 }

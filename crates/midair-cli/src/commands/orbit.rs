@@ -3,19 +3,17 @@
 use crate::arguments::{Size, check_view, open_picture, open_scene};
 use crate::failure::Failure;
 use crate::progress::Bar;
-use crate::summary::{Voice, milliseconds, number, paths, wrote};
+use crate::summary::{Voice, milliseconds, paths, wrote};
 use midair::Monitor as _;
-use midair::evaluate::orbit::{Seen, Settings, Station, orbit};
+use midair::evaluate::orbit::{Settings, orbit};
 use midair::files::write_bytes_atomically;
-use midair::measure::lattice::{Displacement, LatticeStyle};
+use midair::measure::lattice::LatticeStyle;
 use midair::picture::{Depth, Picture, srgb, write_still};
 use midair::transport::Setup;
-use midair_report::page::{
-    Block, Cell, Figure, Image, LineChart, Page, Section, Series, SummaryRow, Table,
-};
+use midair_report::orbit::{chart, page, pixel_mm, strips};
 use midair_report::paper::strip;
 use midair_video::{Colour, Encoder, Recipe, Timing, VideoError};
-use serde_json::{Value, json};
+use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -93,11 +91,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     bar.stage("views", count);
     let stations = orbit(&setup, picture, &azimuths, &settings, &bar)?;
 
-    let strips = [("fixed", fixed as Pick), ("tracked", tracked as Pick)].map(|(name, pick)| {
-        let views: Vec<&Picture> = stations.iter().map(|station| &pick(station).view).collect();
-        // Views are of one height.
-        (name, strip(&views, 6).unwrap_or_else(|_| views[0].clone()))
-    });
+    let strips = strips(&stations);
     for (name, picture) in &strips {
         output
             .write(format!("strip-{name}.png"), |path| write_still(path, picture, Depth::Eight))?;
@@ -121,9 +115,10 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     output.write("displacement.svg", |path| {
         write_bytes_atomically(path, chart.to_svg_file().as_bytes())
     })?;
-    let page = page(&loaded.scene.name, &stations, &settings, &setup, chart, &strips, &notes)?;
+    let page = page(&loaded.scene.name, &stations, &settings, &setup, &strips, &notes)
+        .map_err(|error| Failure::new(error.to_string(), "ask for a smaller --size"))?;
     output.write("orbit.html", |path| write_bytes_atomically(path, page.to_html().as_bytes()))?;
-    let millimetres = setup.image.size[0] * settings.window / settings.view[0] as f64;
+    let millimetres = pixel_mm(&setup, &settings);
     let mut report = json!({
         "midair": env!("CARGO_PKG_VERSION"),
         "command": "orbit",
@@ -131,7 +126,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         "view": settings.view,
         "window": settings.window,
         "mm_per_view_pixel": millimetres,
-        "views": stations.iter().map(told).collect::<Vec<_>>(),
+        "views": stations,
         "timings_ms": { "all": milliseconds(start.elapsed()) },
         "notes": notes,
     });
@@ -155,47 +150,6 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     lines += &wrote(&files);
     report["files"] = paths(&files);
     voice.tell(&lines, &report)
-}
-
-type Pick = fn(&Station) -> &Seen;
-
-fn fixed(station: &Station) -> &Seen {
-    &station.fixed
-}
-
-fn tracked(station: &Station) -> &Seen {
-    &station.tracked
-}
-
-fn told(station: &Station) -> Value {
-    let displacement = |d: &Displacement| json!({ "mean_px": number(d.mean), "max_px": number(d.max), "points": d.compared() });
-    let seen = |seen: &Seen| {
-        json!({
-            "exact": displacement(&seen.exact),
-            "measured": seen.measured.as_ref().ok().map(displacement),
-            "not_measured": seen.measured.as_ref().err(),
-        })
-    };
-    json!({
-        "azimuth": station.azimuth,
-        "eye": [station.eye.x, station.eye.y, station.eye.z],
-        "fixed": seen(&station.fixed),
-        "tracked": seen(&station.tracked),
-    })
-}
-
-/// The lattice's mean displacement over the azimuth.
-fn chart(stations: &[Station], settings: &Settings, setup: &Setup) -> LineChart {
-    let mm = setup.image.size[0] * settings.window / settings.view[0] as f64;
-    let series = |name: &str, pick: Pick| Series {
-        name: name.to_owned(),
-        points: stations.iter().map(|s| [s.azimuth, pick(s).exact.mean * mm]).collect(),
-    };
-    LineChart {
-        x_label: "azimuth, degrees".to_owned(),
-        y_label: "mean displacement of the lattice, mm".to_owned(),
-        series: vec![series("fixed map", fixed), series("map that follows", tracked)],
-    }
 }
 
 /// The views side by side, there and back.
@@ -238,94 +192,4 @@ fn film(
         encoder.write(frame, Timing { ticks, base: [1, 30] })?;
     }
     encoder.finish().map_err(|error: VideoError| error.into())
-}
-
-fn page(
-    name: &str,
-    stations: &[Station],
-    settings: &Settings,
-    setup: &Setup,
-    chart: LineChart,
-    strips: &[(&str, Picture)],
-    notes: &[String],
-) -> Result<Page, Failure> {
-    let mm = setup.image.size[0] * settings.window / settings.view[0] as f64;
-    let worst =
-        |pick: Pick| stations.iter().map(|s| pick(s).exact.mean * mm).fold(f64::NAN, f64::max);
-    let row = |label: &str, value: f64, note: &str| SummaryRow {
-        label: label.to_owned(),
-        value: if value.is_finite() { format!("{value:.3} mm") } else { "–".to_owned() },
-        note: note.to_owned(),
-    };
-    let figure = |(name, picture): &(&str, Picture)| -> Result<Block, Failure> {
-        let caption = match *name {
-            "fixed" => "The map of the scene's viewpoint, seen from each azimuth.",
-            _ => "The map of each eye, seen from there.",
-        };
-        let figure = Figure::picture(picture, caption)
-            .map_err(|error| Failure::new(error.to_string(), "ask for a smaller --size"))?;
-        Ok(Block::Figures(vec![figure]))
-    };
-    let cells = |s: &Station| {
-        let of = |seen: &Seen| {
-            [
-                Cell::number(Some(seen.exact.mean), 2),
-                Cell::number(seen.measured.as_ref().ok().map(|d| d.mean), 2),
-            ]
-        };
-        let mut row = vec![Cell::text(format!("{}°", s.azimuth))];
-        row.extend(of(&s.fixed));
-        row.extend(of(&s.tracked));
-        row
-    };
-    let head = |texts: &[(&str, usize)]| {
-        texts.iter().map(|(text, span)| ((*text).to_owned(), *span)).collect()
-    };
-    let table = Table {
-        caption: format!("Mean displacement in view pixels of {mm:.4} mm"),
-        head: vec![
-            head(&[("azimuth", 1), ("fixed map", 2), ("map that follows", 2)]),
-            head(&[
-                ("", 1),
-                ("calculated", 1),
-                ("found in the view", 1),
-                ("calculated", 1),
-                ("found in the view", 1),
-            ]),
-        ],
-        rows: stations.iter().map(cells).collect(),
-        foot: Vec::new(),
-    };
-    let mut sections = vec![
-        Section {
-            heading: "Displacement".to_owned(),
-            blocks: vec![
-                Block::Figures(vec![Figure {
-                    image: Image::Line(chart),
-                    caption: "By calculation, on the image's plane.".to_owned(),
-                }]),
-                Block::Table(table),
-            ],
-        },
-        Section {
-            heading: "Views".to_owned(),
-            blocks: strips.iter().map(figure).collect::<Result<_, _>>()?,
-        },
-    ];
-    if !notes.is_empty() {
-        sections.push(Section {
-            heading: "Notes".to_owned(),
-            blocks: vec![Block::Notes(notes.to_vec())],
-        });
-    }
-    Ok(Page {
-        title: format!("{name}: walking around"),
-        lead: "What a viewer sees who walks around the set-up, with the map of one viewpoint and with a map that follows.".to_owned(),
-        summary: vec![
-            row("largest mean displacement, fixed map", worst(fixed), "one map for all places"),
-            row("largest mean displacement, map that follows", worst(tracked), "a map for each place"),
-        ],
-        sections,
-        colophon: format!("midair {}", env!("CARGO_PKG_VERSION")),
-    })
 }

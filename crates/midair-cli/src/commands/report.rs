@@ -2,12 +2,11 @@
 
 use super::compensate::{stretch_note, write_display, write_maps, write_report};
 use crate::arguments::{Size, check_view, open_picture, open_scene};
-use crate::colour_facts::Colour;
-use crate::facts::Facts;
 use crate::failure::Failure;
 use crate::progress::Bar;
-use crate::summary::{Voice, paths, wrote};
+use crate::summary::{Voice, paths, timings, wrote};
 use midair::Monitor as _;
+use midair::evaluate::colour::{Colour, colour};
 use midair::evaluate::proof::{Proof, Settings, prove};
 use midair::files::{Output, write_bytes_atomically};
 use midair::map::format::Format;
@@ -15,6 +14,8 @@ use midair::picture::{Depth, Picture, Still, write_still};
 use midair::scene::Loaded;
 use midair::transport::Setup;
 use midair_report::drawing::test_picture;
+use midair_report::proof::{Report, colour_pictures};
+use serde_json::{Value, json};
 use std::path::PathBuf;
 
 /// Verify the compensation of a scene: views, lattice displacement, similarity, uniformity, colour fringes, stray light, comparison with the
@@ -76,25 +77,23 @@ pub fn write_proof(
     let bar = Bar::new();
     let proof = prove(&setup, &still.picture, &settings, &bar)?;
     bar.stage("brightness and colour", 1);
-    let colour = Colour::of(loaded, &setup, &settings, &proof.map)?;
+    let colour = colour(loaded, &setup, &settings, &proof.map)?;
     bar.finish();
 
-    let facts = Facts {
-        loaded,
-        setup: &setup,
-        settings: &settings,
-        proof: &proof,
-        colour: &colour,
-        notes: &notes,
-    };
-    let report = facts.json();
-    let page = facts.page()?;
+    let report = Report { loaded, setup: &setup, proof: &proof, colour: &colour, notes: &notes };
+    let told = told(&report);
+    let page = report.page().map_err(|error| {
+        Failure::new(format!("the page cannot be made: {error}"), "ask for another --size")
+    })?;
     write_pictures(&mut output, still, &proof, setup.pixel_pitch())?;
-    colour.write(&mut output)?;
+    for (name, picture) in colour_pictures(&colour) {
+        output.write(name, |path| write_still(path, &picture, Depth::Eight))?;
+    }
     let source = setup.view_size(still.picture.width);
     let more = write_maps(&mut output, &proof.map, None, "map", source, &[Format::Exr])?;
-    write_report(&mut output, &report)?;
-    output.write("report.html", |path| write_bytes_atomically(path, page.as_bytes()))?;
+    write_report(&mut output, &told)?;
+    let html = page.to_html();
+    output.write("report.html", |path| write_bytes_atomically(path, html.as_bytes()))?;
     let files = output.finish()?;
     voice.note(&more);
     voice.note(&notes);
@@ -104,9 +103,26 @@ pub fn write_proof(
     voice.explain(wrote(&files).trim_end());
     let page = files.iter().find(|file| file.ends_with("report.html"));
     let page = page.map(|page| page.display().to_string()).unwrap_or_default();
-    let mut told = report;
+    let mut told = told;
     told["files"] = paths(&files);
-    voice.tell(&format!("{}see {page}\n", facts.lines()), &told)
+    voice.tell(&format!("{}see {page}\n", report.lines()), &told)
+}
+
+/// report.json.
+fn told(report: &Report) -> Value {
+    let mut told = json!(report.proof);
+    let Colour { timings: more, .. } = report.colour;
+    told["midair"] = json!(env!("CARGO_PKG_VERSION"));
+    told["command"] = json!("report");
+    told["scene"] = json!(report.loaded.scene.name);
+    let laps: Vec<_> = report.proof.timings.iter().chain(more).copied().collect();
+    told["timings_ms"] = timings(&laps);
+    if let (Value::Object(told), Value::Object(colour)) = (&mut told, json!(report.colour)) {
+        told.extend(colour);
+    }
+    told["assumptions"] = json!(report.assumptions());
+    told["notes"] = json!(report.notes);
+    told
 }
 
 fn write_pictures(

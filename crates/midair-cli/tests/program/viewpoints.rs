@@ -18,7 +18,7 @@ fn walking_around_with_a_fixed_map_and_with_one_that_follows() {
         views.iter().map(|v| v["azimuth"].as_f64().unwrap()).collect::<Vec<_>>(),
         [-15.0, 0.0, 15.0]
     );
-    let mean = |i: usize, which: &str| views[i][which]["exact"]["mean_px"].as_f64().unwrap();
+    let mean = |i: usize, which: &str| views[i][which]["exact"]["mean"].as_f64().unwrap();
     for i in 0..3 {
         // A map's own displacement is that of interpolation between its pixels.
         assert!(mean(i, "tracked") < 0.05, "{told}");

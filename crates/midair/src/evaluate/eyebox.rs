@@ -1,8 +1,115 @@
 //! One map for several viewpoints at once: the compromise, and what it leaves.
 
+use crate::error::Error;
 use crate::geometry::Vec3;
-use crate::map::{Map, Status};
+use crate::map::{Accuracy, Counts, Map, Status, invert};
+use crate::monitor::Monitor;
 use crate::transport::Setup;
+use serde::{Serialize, Serializer};
+
+/// One map for several viewpoints, and what it leaves at each; serialised, its figures.
+#[derive(Clone, Debug)]
+pub struct Eyebox {
+    /// The compromise.
+    pub map: Map,
+    /// The viewpoints, in their order.
+    pub eyes: Vec<Eye>,
+}
+
+/// A viewpoint of an [`Eyebox`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Eye {
+    /// Where it is, mm.
+    pub position: [f64; 3],
+    /// What the compromise leaves here.
+    #[serde(rename = "compromise_mm")]
+    pub compromise: Remaining,
+    /// What the map of the scene's viewpoint alone leaves here.
+    #[serde(rename = "single_mm")]
+    pub single: Remaining,
+}
+
+/// Maps that may be held at once: pixels of them all.
+const MOST_PIXELS: usize = 1 << 27;
+
+/// Whether the maps of so many viewpoints can be held at once.
+///
+/// # Errors
+/// [`Error`] of kind `Request` where they are too much.
+pub fn check_count(setup: &Setup, viewpoints: usize) -> Result<(), Error> {
+    let [width, height] = setup.resolution;
+    match viewpoints.saturating_add(1).saturating_mul(width * height) > MOST_PIXELS {
+        true => Err(Error::request(
+            format!("{viewpoints} maps of {width} x {height} pixels are too much to hold"),
+            "ask for fewer viewpoints, or a smaller display resolution",
+        )),
+        false => Ok(()),
+    }
+}
+
+/// The compromise for several viewpoints.
+///
+/// # Errors
+/// [`Error`] of kind `Request` where there is no viewpoint, or so many that [`check_count`] refuses them.
+pub fn eyebox(setup: &Setup, eyes: &[Vec3], monitor: &dyn Monitor) -> Result<Eyebox, Error> {
+    check_count(setup, eyes.len())?;
+    monitor.stage("maps", eyes.len() + 1);
+    let map_from = |viewpoint: Vec3| -> Map {
+        let (map, _) = invert(&setup.with_viewpoint(viewpoint), Accuracy::default());
+        monitor.advance(1);
+        map
+    };
+    let alone = map_from(setup.viewpoint);
+    let maps: Vec<Map> = eyes.iter().map(|&eye| map_from(eye)).collect();
+    let Some(map) = compromise(&maps) else {
+        return Err(Error::request("there is no viewpoint", "give two or more"));
+    };
+    let size = setup.image.size;
+    let eyes = eyes.iter().zip(&maps).map(|(eye, own)| Eye {
+        position: eye.to_array(),
+        compromise: remaining(&map, own, size),
+        single: remaining(&alone, own, size),
+    });
+    let eyes = eyes.collect();
+    Ok(Eyebox { map, eyes })
+}
+
+impl Eyebox {
+    /// Root mean square over all viewpoints and pixels, mm: of the compromise, and of the map of the scene's viewpoint alone; NaN without pixels.
+    pub fn rms(&self) -> [f64; 2] {
+        let over = |of: fn(&Eye) -> &Remaining| {
+            let known = || self.eyes.iter().map(of).filter(|left| left.pixels > 0);
+            let squares: f64 = known().map(|left| left.rms.powi(2) * left.pixels as f64).sum();
+            (squares / known().map(|left| left.pixels as f64).sum::<f64>()).sqrt()
+        };
+        [over(|eye| &eye.compromise), over(|eye| &eye.single)]
+    }
+}
+
+impl Serialize for Eyebox {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct All {
+            compromise_rms_mm: f64,
+            single_rms_mm: f64,
+        }
+        #[derive(Serialize)]
+        struct Told<'a> {
+            size: [usize; 2],
+            status: Counts,
+            viewpoints: &'a [Eye],
+            all: All,
+        }
+        let [compromise_rms_mm, single_rms_mm] = self.rms();
+        let told = Told {
+            size: [self.map.width, self.map.height],
+            status: self.map.counts(),
+            viewpoints: &self.eyes,
+            all: All { compromise_rms_mm, single_rms_mm },
+        };
+        told.serialize(serializer)
+    }
+}
 
 /// The axes across the line of sight from the viewpoint to the image's centre: to the viewer's right, and up. Where the viewer
 /// looks along the vertical the image's own right takes its place.
@@ -70,7 +177,7 @@ pub fn compromise(maps: &[Map]) -> Option<Map> {
 }
 
 /// What displacement a map leaves for a viewpoint, over the display's pixels, in mm on the image's plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Remaining {
     /// Pixels that both have an answer.
     pub pixels: usize,
@@ -102,7 +209,6 @@ pub fn remaining(shown: &Map, own: &Map, size: [f64; 2]) -> Remaining {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::map::{Accuracy, invert};
     use crate::transport::bench_setup::{ACRYLIC, element, setup, sphere};
 
     fn maps(setup: &Setup, eyes: &[Vec3]) -> Vec<Map> {
@@ -182,6 +288,23 @@ mod tests {
             moved.uv.iter_mut().for_each(|uv| *uv = [uv[0] + du, uv[1] + dv]);
             assert!(total(&moved) > best);
         }
+    }
+
+    #[test]
+    fn without_an_object_one_map_serves_as_well_as_many() {
+        let mut setup = setup(20.0, vec![]);
+        setup.resolution = [40, 40];
+        let both = eyebox(&setup, &two_eyes(&setup, 64.0), &()).unwrap();
+        let told = serde_json::to_value(&both).unwrap();
+        assert_eq!(told["viewpoints"][0]["position"][0], -32.0);
+        assert_eq!(told["status"]["ok"], 1600);
+        for key in ["compromise_rms_mm", "single_rms_mm"] {
+            // Twice the maps' tolerance of 1e-6, times 20 mm.
+            assert!(told["all"][key].as_f64().unwrap() < 4e-5, "{told}");
+        }
+        assert!(eyebox(&setup, &[], &()).is_err());
+        let crowd = vec![setup.viewpoint; MOST_PIXELS / 1600];
+        assert!(eyebox(&setup, &crowd, &()).is_err());
     }
 
     #[test]

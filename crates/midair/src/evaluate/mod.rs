@@ -17,6 +17,7 @@
 //! # }
 //! ```
 
+pub mod character;
 pub mod colour;
 pub mod eyebox;
 pub mod layout;
@@ -25,6 +26,7 @@ pub mod orbit;
 pub mod paper;
 pub mod preflight;
 pub mod proof;
+pub mod stray;
 pub mod tolerance;
 mod words;
 

@@ -13,6 +13,8 @@ use crate::picture::optimal::{ViewSamples, view_through};
 use crate::picture::{Picture, display_image};
 use crate::simulate::Camera;
 use crate::transport::{Path, Setup};
+use serde::ser::SerializeMap as _;
+use serde::{Serialize, Serializer};
 
 /// What is seen, and how finely.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,12 +29,13 @@ pub struct Settings {
     pub lattice: LatticeStyle,
 }
 
-/// What is seen from one place.
-#[derive(Clone, Debug)]
+/// What is seen from one place; serialised, without the views.
+#[derive(Clone, Debug, Serialize)]
 pub struct Station {
     /// Degrees about the vertical through the image's centre, from the scene's viewpoint to the viewer's right.
     pub azimuth: f64,
     /// The eye, mm.
+    #[serde(serialize_with = "coordinates")]
     pub eye: Vec3,
     /// With the map of the scene's viewpoint.
     pub fixed: Seen,
@@ -49,6 +52,21 @@ pub struct Seen {
     pub exact: Displacement,
     /// The same of the intersections that are found in the view; or why none are.
     pub measured: Result<Displacement, String>,
+}
+
+fn coordinates<S: Serializer>(point: &Vec3, serializer: S) -> Result<S::Ok, S::Error> {
+    point.to_array().serialize(serializer)
+}
+
+/// Without the view.
+impl Serialize for Seen {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(3))?;
+        map.serialize_entry("exact", &self.exact)?;
+        map.serialize_entry("measured", &self.measured.as_ref().ok())?;
+        map.serialize_entry("not_measured", &self.measured.as_ref().err())?;
+        map.end()
+    }
 }
 
 /// The eye after a turn about the vertical through the image's centre; positive to the right of a viewer who looks at it.

@@ -1,14 +1,22 @@
 //! Whether a JPEG file is whole: decoders fill what is missing with grey, without a word.
 
-/// Whether the picture's end is there. Markers and segments are followed as ITU-T T.81, annex B, lays them out; what comes behind the end
-/// (phones put films there) does not count, nor do the pictures inside a segment (previews).
+mod scan;
+
+use scan::Frame;
+
+/// Whether the picture's end is there, and before it coded data for every block. Markers and segments are followed as ITU-T T.81, annex B, lays them
+/// out; what comes behind the end (phones put films there) does not count, nor do the pictures inside a segment (previews). Of pictures that are coded
+/// in a way that is not followed here (arithmetic, lossless), only the end is looked for.
 pub(super) fn is_whole(bytes: &[u8]) -> bool {
     const START: u8 = 0xd8;
     const END: u8 = 0xd9;
     const SCAN: u8 = 0xda;
+    const TABLES: u8 = 0xc4;
+    const INTERVAL: u8 = 0xdd;
     if !bytes.starts_with(&[0xff, START]) {
         return false;
     }
+    let mut frame = Frame::default();
     let mut at = 2;
     loop {
         // Bytes of no meaning before a marker are passed over, as decoders do; any number of 0xff may begin it.
@@ -23,22 +31,29 @@ pub(super) fn is_whole(bytes: &[u8]) -> bool {
             _ => {}
         }
         let Some(&[high, low]) = bytes.get(at..at + 2) else { return false };
-        at += usize::from(u16::from_be_bytes([high, low]));
-        if at > bytes.len() {
-            return false;
-        }
-        if marker == SCAN {
-            // Coded data up to the next marker: a 0xff in them is followed by 0, or is a restart.
-            let coded = bytes[at..].windows(2).position(|pair| {
-                pair[0] == 0xff
-                    && pair[1] != 0
-                    && pair[1] != 0xff
-                    && !(0xd0..=0xd7).contains(&pair[1])
-            });
-            match coded {
-                Some(length) => at += length,
-                None => return false,
+        let length = usize::from(u16::from_be_bytes([high, low]));
+        let Some(segment) = bytes.get(at + 2..at + length.max(2)) else { return false };
+        at += length.max(2);
+        match marker {
+            TABLES => frame.read_tables(segment),
+            INTERVAL => frame.read_interval(segment),
+            // Frames of all kinds; 0xc8 and 0xcc are none.
+            0xc0..=0xcf if marker != 0xc8 && marker != 0xcc => frame.begin(marker, segment),
+            SCAN => {
+                // Coded data up to the next marker: a 0xff in them is followed by 0, or is a restart.
+                let coded = bytes[at..].windows(2).position(|pair| {
+                    pair[0] == 0xff
+                        && pair[1] != 0
+                        && pair[1] != 0xff
+                        && !(0xd0..=0xd7).contains(&pair[1])
+                });
+                let Some(length) = coded else { return false };
+                if frame.is_short(segment, &bytes[at..at + length]) {
+                    return false;
+                }
+                at += length;
             }
+            _ => {}
         }
     }
 }
@@ -70,6 +85,18 @@ mod tests {
         let mut padded = whole[..whole.len() / 2].to_vec();
         padded.resize(whole.len(), 0);
         assert!(!is_whole(&padded));
+    }
+
+    #[test]
+    fn an_end_that_was_put_behind_a_cut_is_none() {
+        let whole = jpeg();
+        let data = whole.windows(2).position(|pair| pair == [0xff, 0xda]).unwrap() + 14;
+        // Up to a few bytes before the end, where only padding may be missing.
+        for length in (data..whole.len() - 4).step_by(7) {
+            let mut cut = whole[..length].to_vec();
+            cut.extend([0xff, 0xd9]);
+            assert!(!is_whole(&cut), "{length} of {}", whole.len());
+        }
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! The scene file's grammar, said once: the reader, the messages and the JSON Schema follow it.
+//! The scene file's grammar, said once: the reader, the messages and the JSON Schema follow it. One long table, whole in one file, so that what a
+//! scene may say is found in one place.
 
 use super::devices;
 

@@ -9,9 +9,10 @@ use crate::picture::optimal::{ViewSamples, view_through};
 use crate::picture::{Picture, display_image, display_image_by_colour};
 use crate::simulate::Camera;
 use crate::transport::{Path, Setup, on_display};
+use serde::Serialize;
 
 /// How wide fringes are at lattice lines: the distance across the line between the outermost of the three colours, in view pixels.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FringeWidth {
     /// Mean over all places; NaN where nothing is formed.
     pub mean: f64,

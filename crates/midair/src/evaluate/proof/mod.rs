@@ -7,6 +7,7 @@
 mod baseline;
 pub(super) mod displacement;
 mod likeness;
+mod told;
 
 pub use baseline::Baseline;
 pub use displacement::Shape;
@@ -82,9 +83,11 @@ pub struct Shown {
     pub time: Duration,
 }
 
-/// All that was found.
+/// All that was found; serialised, its figures.
 #[derive(Clone, Debug)]
 pub struct Proof {
+    /// What was asked for.
+    pub settings: Settings,
     /// The map.
     pub map: Map,
     /// What the inversion did.
@@ -223,6 +226,7 @@ pub fn prove(
         }
     };
     Ok(Proof {
+        settings: settings.clone(),
         map,
         effort,
         map_time,

@@ -10,51 +10,14 @@
 //! - on a cone the normal is the same along each straight line to the tip. Between corners of a triangle it is so if the normals there are as long as the
 //!   lines from the tip, for the sum of such normals turns as the sum of the corners does.
 
+mod rulings;
+mod shading;
+
 use super::TriangleMesh;
 use super::adjacency::{NONE, Sets, neighbours};
 use super::read::NO_NORMAL;
 use crate::geometry::Vec3;
-
-/// How a mesh's normals were chosen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub struct Shading {
-    /// Edges between faces that differ by more than the crease angle.
-    pub sharp_edges: usize,
-    /// Corners whose normal is the file's.
-    pub given: usize,
-    /// Corners for which the file has a normal that does not fit the faces.
-    pub unfit: usize,
-    /// Whether the file's normals are only those of its flat faces, which say nothing.
-    pub flat: bool,
-    /// Corners in all.
-    pub corners: usize,
-}
-
-impl Shading {
-    /// What was chosen, in a sentence.
-    pub fn note(&self, crease_angle: f64) -> String {
-        let found = format!(
-            "smooth up to {crease_angle} degrees between faces, sharp above ({} sharp edges)",
-            self.sharp_edges
-        );
-        if self.given == self.corners {
-            "normals: the file's own".to_owned()
-        } else if self.given > 0 {
-            let share = 100.0 * self.given as f64 / self.corners as f64;
-            format!(
-                "normals: the file's own at {share:.0} % of the corners, where they fit its faces; elsewhere {found}"
-            )
-        } else if self.unfit > 0 {
-            format!("normals: {found}; the file's own do not fit its faces")
-        } else if self.flat {
-            format!(
-                "normals: {found}; the file's own are those of flat faces, for which write normals = \"flat\""
-            )
-        } else {
-            format!("normals: {found}")
-        }
-    }
-}
+pub use shading::Shading;
 
 /// A vertex further than this share of the mesh's extent from the plane of the triangle beyond an edge is out of that plane: single precision resolves 6e-8.
 const COPLANAR: f64 = 3e-7;
@@ -139,62 +102,6 @@ impl TriangleMesh {
         self.normals = Some(normals);
         self.follow_rulings();
         (self, shading)
-    }
-
-    /// Gives normals along straight lines that meet in a point, as a cone's do, lengths that go with the distance from it.
-    fn follow_rulings(&mut self) {
-        let Some(normals) = &self.normals else { return };
-        let across = neighbours(&self.triangles);
-        let [low, high] = self.bounds();
-        let level = COPLANAR * (high - low).length();
-        let lengths: Vec<[f64; 3]> = (0..self.triangles.len())
-            .map(|t| self.distances_from_tip(t, normals, &across, level).unwrap_or([1.0; 3]))
-            .collect();
-        if let Some(normals) = &mut self.normals {
-            for (n, lengths) in normals.iter_mut().zip(lengths) {
-                *n = [0, 1, 2].map(|k| n[k] * lengths[k]);
-            }
-        }
-    }
-
-    /// The distances of a triangle's corners from where its straight lines meet, as shares of the largest: one line is its side with one normal at both
-    /// ends, the other such a side of a triangle in its plane.
-    fn distances_from_tip(
-        &self,
-        t: usize,
-        normals: &[[Vec3; 3]],
-        across: &[[u32; 3]],
-        level: f64,
-    ) -> Option<[f64; 3]> {
-        let one = |a: Vec3, b: Vec3| (a - b).length() < ONE;
-        let (p, n) = (self.corners(t), normals[t]);
-        let k = (0..3).find(|&k| {
-            let [i, j] = [(k + 1) % 3, (k + 2) % 3];
-            one(n[i], n[j]) && !one(n[i], n[k]) && n[k].length() > 0.5
-        })?;
-        let [i, j] = [(k + 1) % 3, (k + 2) % 3];
-        let face = face_normal(p);
-        // Over the side opposite i lies a triangle with the corners k and j, and so on.
-        let tip = [i, j].into_iter().find_map(|opposite| {
-            let other = across[t][opposite] as usize;
-            let third = *self.triangles.get(other)?;
-            let far = (0..3).find(|&m| !self.triangles[t].contains(&third[m]))?;
-            let m = self.positions[third[far] as usize];
-            let flat = (m - p[k]).dot(face).abs() <= level;
-            (flat && one(normals[other][far], n[k])).then_some(())?;
-            // Where the lines from i to j and from k to m come nearest, in their plane.
-            let (d, e) = (p[j] - p[i], m - p[k]);
-            let turn = d.cross(e);
-            // Parallel ones never meet: their normals are equally long.
-            let sine = turn.length() / (d.length() * e.length());
-            (sine > 1e-9)
-                .then(|| p[i] + d * ((p[k] - p[i]).cross(e).dot(turn) / turn.squared_length()))
-        })?;
-        let distances = p.map(|p| (p - tip).length());
-        let largest = distances.iter().fold(0.0, |a: f64, &b| a.max(b));
-        // A point on the side itself would turn the normals about.
-        let beyond = (p[i] - tip).dot(p[j] - tip) > 0.0;
-        (beyond && largest > 0.0).then(|| distances.map(|d| d / largest))
     }
 }
 

@@ -1,6 +1,9 @@
 //! How far intersections are from where they belong.
 
-/// Distances between two sets of intersections, pixels.
+use serde::ser::SerializeMap as _;
+use serde::{Serialize, Serializer};
+
+/// Distances between two sets of intersections, pixels; serialised, their mean, the greatest, and how many there are.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Displacement {
     /// Mean over the points that both sets have.
@@ -15,6 +18,16 @@ impl Displacement {
     /// How many points both sets have.
     pub fn compared(&self) -> usize {
         self.points.iter().flatten().count()
+    }
+}
+
+impl Serialize for Displacement {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(3))?;
+        map.serialize_entry("mean", &self.mean)?;
+        map.serialize_entry("max", &self.max)?;
+        map.serialize_entry("compared", &self.compared())?;
+        map.end()
     }
 }
 

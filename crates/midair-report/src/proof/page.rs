@@ -1,29 +1,24 @@
 //! What a proof found, as a page.
 
-use crate::facts::{Facts, likeness_text, shape_notes};
-use crate::failure::Failure;
-use crate::summary::{counts_line, percent};
+use super::{Report, colour, likeness_text, shape_notes};
+use crate::page::{
+    Block, Cell, Figure, FigureError, Image, Page, Section, SummaryRow, Table, VectorChart,
+};
+use crate::{counts_line, percent};
 use midair::evaluate::proof::{Likeness, Shape};
 use midair::map::Map;
 use midair::measure::lattice::Displacement;
 use midair::picture::{Picture, display_image};
-use midair_report::page::{
-    Block, Cell, Figure, FigureError, Image, Page, Section, SummaryRow, Table, VectorChart,
-};
 
 /// Pixels of a picture's longer side on the page; the files beside it have all.
 const SHOWN: usize = 640;
 
-impl Facts<'_> {
+impl Report<'_> {
     /// report.html: a page that stands on its own.
-    pub fn page(&self) -> Result<String, Failure> {
-        let page = self.build().map_err(|error| {
-            Failure::new(format!("the page cannot be made: {error}"), "ask for another --size")
-        })?;
-        Ok(page.to_html())
-    }
-
-    fn build(&self) -> Result<Page, FigureError> {
+    ///
+    /// # Errors
+    /// [`FigureError`] where a picture is too large for a page.
+    pub fn page(&self) -> Result<Page, FigureError> {
         let Self { loaded, setup, proof, .. } = self;
         Ok(Page {
             title: loaded.scene.name.clone(),
@@ -36,7 +31,7 @@ impl Facts<'_> {
                 self.pictures()?,
                 self.shape()?,
                 self.likeness(),
-                self.colour.section(&loaded.scene)?,
+                colour::section(self.colour, &loaded.scene)?,
                 self.map_section(),
                 Section {
                     heading: "What was assumed".to_owned(),
@@ -88,7 +83,7 @@ impl Facts<'_> {
             row("Likeness to the reference (SSIM)", ssim, format!("{before} without compensation")),
             row(
                 "Image that is formed",
-                percent(self.formed()),
+                percent(proof.formation.formed()),
                 format!("compared over {} of the view", percent(proof.region.share)),
             ),
             row(
@@ -100,7 +95,7 @@ impl Facts<'_> {
                 ),
             ),
         ];
-        rows.extend(self.colour.summary());
+        rows.extend(colour::summary(self.colour));
         if let Some(splat) = &proof.splat {
             rows.push(row(
                 "The paper's method",
@@ -212,8 +207,8 @@ impl Facts<'_> {
 
     fn arrows(&self, shape: &Shape, caption: &str) -> Figure {
         let chart = VectorChart {
-            size: self.settings.view.map(|side| side as f64),
-            lines: self.settings.lattice.lines,
+            size: self.proof.settings.view.map(|side| side as f64),
+            lines: self.proof.settings.lattice.lines,
             reference: shape.belongs.iter().copied().map(Some).collect(),
             seen: shape.seen.clone(),
         };
@@ -303,7 +298,7 @@ impl Facts<'_> {
 }
 
 /// A picture for the page, reduced where it is larger than the page shows it.
-pub fn figure(picture: &Picture, caption: &str) -> Result<Figure, FigureError> {
+pub(super) fn figure(picture: &Picture, caption: &str) -> Result<Figure, FigureError> {
     let longer = picture.width.max(picture.height);
     if longer <= SHOWN {
         return Figure::picture(picture, caption);

@@ -1,22 +1,23 @@
-//! What a proof found: as JSON, in a few lines, and what it rests on.
+//! A proof for people: in a few lines, as a page, and what it rests on.
 
-use crate::colour_facts::Colour;
-use crate::summary::{counts_line, number, percent, timings};
-use midair::evaluate::proof::{Baseline, Likeness, Proof, Settings, Shape, Shown};
-use midair::measure::lattice::Displacement;
+mod colour;
+mod page;
+
+pub use colour::pictures as colour_pictures;
+
+use crate::{counts_line, percent};
+use midair::evaluate::colour::Colour;
+use midair::evaluate::proof::{Likeness, Proof, Shape, Shown};
 use midair::scene::Loaded;
 use midair::scene::model::PlateModel;
 use midair::transport::{DESIGN_WAVELENGTH, Setup};
-use serde_json::{Value, json};
 
 /// Everything that a report draws on.
-pub struct Facts<'a> {
+pub struct Report<'a> {
     /// The scene.
     pub loaded: &'a Loaded,
     /// The same, ready for tracing.
     pub setup: &'a Setup,
-    /// What was asked for.
-    pub settings: &'a Settings,
     /// What was found.
     pub proof: &'a Proof,
     /// What was found of brightness and colour.
@@ -25,79 +26,23 @@ pub struct Facts<'a> {
     pub notes: &'a [String],
 }
 
-impl Facts<'_> {
+impl Report<'_> {
     /// The ways to fill the display with their names, in the order of the table.
-    pub fn ways(&self) -> Vec<(&'static str, String, &Shown)> {
-        let proof = self.proof;
-        let mut ways = vec![
-            ("uncompensated", "shown as it is".to_owned(), &proof.uncompensated),
-            ("compensated", "plain filter (what compensate writes)".to_owned(), &proof.compensated),
-            ("scattered", "averaged scatter of the view's rays".to_owned(), &proof.scattered),
-            ("optimal", "best display image (--optimal)".to_owned(), &proof.optimal),
-        ];
-        if let Some(Baseline { spp, shown: Some(shown), .. }) = &proof.splat {
-            ways.push(("splat", format!("map by splat, {spp} samples a pixel"), shown));
-        }
-        ways
-    }
-
-    /// The share of the image that is formed.
-    pub fn formed(&self) -> f64 {
-        self.proof.formation.formed()
-    }
-
-    /// report.json.
-    pub fn json(&self) -> Value {
-        let Self { loaded, setup, settings, proof, colour, notes } = self;
-        let likeness: serde_json::Map<String, Value> = self
-            .ways()
-            .into_iter()
-            .map(|(key, _, shown)| {
-                let told = |likeness: Likeness| {
-                    json!({ "ssim": likeness.ssim, "psnr_db": number(likeness.psnr) })
-                };
-                (key.to_owned(), shown.likeness.map_or(Value::Null, told))
-            })
-            .collect();
-        let splat = proof.splat.as_ref().map(|splat| {
-            json!({
-                "spp": splat.spp,
-                "time_ms": splat.time.as_secs_f64() * 1e3,
-                "rays": splat.rays,
-                "reached": splat.reached,
-                "holes": splat.holes,
-                "rms_error": splat.rms_error,
-                "max_error": splat.max_error,
-            })
-        });
-        json!({
-            "midair": env!("CARGO_PKG_VERSION"),
-            "command": "report",
-            "scene": loaded.scene.name,
-            "method": "inverse",
-            "size": setup.resolution,
-            "view": { "size": settings.view, "supersampling": settings.supersampling },
-            "status": proof.map.counts(),
-            "error_bound": number(proof.map.error_bound),
-            "rays": proof.effort.rays,
-            "effort": { "patches": proof.effort.patches, "solved_pixels": proof.effort.solved_pixels },
-            "timings_ms": timings(&proof.timings),
-            "formed": self.formed(),
-            "compared_share": proof.region.share,
-            "reference_completed": proof.reference_completed,
-            "lattice": {
-                "lines": settings.lattice.lines,
-                "compensated": shape_json(&proof.lattice.compensated),
-                "uncompensated": shape_json(&proof.lattice.uncompensated),
-            },
-            "likeness": likeness,
-            "brightness": colour.brightness_json(),
-            "fringes": colour.fringes_json(),
-            "stray": colour.stray_json(),
-            "splat": splat,
-            "assumptions": self.assumptions(),
-            "notes": notes,
-        })
+    fn ways(&self) -> Vec<(&'static str, String, &Shown)> {
+        let named = |(key, shown): (&'static str, _)| {
+            let name = match key {
+                "uncompensated" => "shown as it is".to_owned(),
+                "compensated" => "plain filter (what compensate writes)".to_owned(),
+                "scattered" => "averaged scatter of the view's rays".to_owned(),
+                "optimal" => "best display image (--optimal)".to_owned(),
+                _ => {
+                    let spp = self.proof.splat.as_ref().map_or(0, |splat| splat.spp);
+                    format!("map by splat, {spp} samples a pixel")
+                }
+            };
+            (key, name, shown)
+        };
+        self.proof.ways().into_iter().map(named).collect()
     }
 
     /// The summary for people.
@@ -163,13 +108,14 @@ impl Facts<'_> {
                 splat.rms_error * 1024.0,
             );
         }
-        lines += &self.colour.lines();
+        lines += &colour::lines(self.colour);
         lines
     }
 
     /// Every assumption, in words.
     pub fn assumptions(&self) -> Vec<String> {
-        let Self { loaded, settings, proof, .. } = self;
+        let Self { loaded, proof, .. } = self;
+        let settings = &proof.settings;
         let plate = match loaded.scene.plate.model {
             PlateModel::Ideal => {
                 "The plate is ideal: plane symmetry, without blur, loss or stray light."
@@ -206,7 +152,7 @@ impl Facts<'_> {
 }
 
 /// What the reader of a displacement should know: where the view does not tell what the transport does.
-pub fn shape_notes(name: &str, shape: &Shape) -> Vec<String> {
+fn shape_notes(name: &str, shape: &Shape) -> Vec<String> {
     let mut notes = Vec::new();
     match (&shape.measured, &shape.exact_there) {
         (Err(why), _) => notes.push(format!(
@@ -239,21 +185,8 @@ pub fn shape_notes(name: &str, shape: &Shape) -> Vec<String> {
     notes
 }
 
-fn shape_json(shape: &Shape) -> Value {
-    let told = |d: &Displacement| json!({ "mean": number(d.mean), "max": number(d.max), "compared": d.compared() });
-    json!({
-        "measured": match &shape.measured {
-            Ok(measured) => told(measured),
-            Err(why) => json!({ "mean": null, "max": null, "compared": 0, "why": why }),
-        },
-        "exact": told(&shape.exact),
-        "exact_of_measured": shape.exact_there.as_ref().map(told),
-        "left_out": shape.left_out,
-    })
-}
-
 /// SSIM and PSNR in words; a dash where nothing could be compared.
-pub fn likeness_text(likeness: Option<Likeness>) -> (String, String) {
+fn likeness_text(likeness: Option<Likeness>) -> (String, String) {
     match likeness {
         Some(likeness) => (format!("{:.4}", likeness.ssim), format!("{:.2} dB", likeness.psnr)),
         None => ("-".to_owned(), "-".to_owned()),

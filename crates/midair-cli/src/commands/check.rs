@@ -1,20 +1,20 @@
 //! `midair check`: what can be formed, what cannot, and why.
 
-mod stray;
-
 use crate::arguments::{Size, check_picture_name, open_scene};
 use crate::failure::Failure;
 use crate::summary::{Voice, paths, percent, wrote};
 use midair::evaluate::preflight::{Preflight, Severity, preflight, reason};
+use midair::evaluate::stray::stray;
 use midair::files::Output;
 use midair::map::{Accuracy, Formation, ImagePoint, Map, formation, invert};
 use midair::picture::{Depth, write_still};
 use midair::scene::Loaded;
+use midair::scene::model::PlateModel;
 use midair::transport::Setup;
 use midair_report::drawing::status_picture::{self, Part};
+use midair_report::stray as stray_light;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-pub use stray::Stray;
 
 /// Look a set-up over before it is built: what is wrong, what helps, and which part of the image is formed
 ///
@@ -53,11 +53,15 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let mut files = output.finish()?;
     let asked = arguments.stray.is_some();
     let model = &loaded.scene.plate.model;
-    if let Some(stray) = Stray::of(model, &checked.setup, &checked.map, asked)? {
-        checked.lines += &stray.lines();
-        checked.json["stray"] = stray.json();
+    // An ideal plate has none: of the usual one it is told where it is asked for.
+    if asked || *model != PlateModel::Ideal {
+        let stray = stray(model, &checked.setup, &checked.map)?;
+        checked.lines += &stray_light::lines(&stray);
+        checked.json["stray"] = json!(stray);
         if let Some((mut output, name)) = stray_output {
-            output.write(&name, |path| write_still(path, &stray.picture(), Depth::Eight))?;
+            output.write(&name, |path| {
+                write_still(path, &stray_light::picture(&stray.wide), Depth::Eight)
+            })?;
             files.extend(output.finish()?);
         }
     }
