@@ -331,21 +331,42 @@ impl<'a> Judge<'a> {
         }
     }
 
+    /// Tries a pixel from the roots of those around it, which the grid may have led to on a thin branch; whether one more was found.
+    pub fn look_around(&mut self, x: usize, y: usize) -> bool {
+        let around = |k: usize, n: usize| k.saturating_sub(2)..(k + 3).min(n);
+        let [width, height] = self.size;
+        let starts: Vec<[f64; 2]> = around(y, height)
+            .flat_map(|j| around(x, width).map(move |i| j * width + i))
+            .flat_map(|place| self.roots[place].iter().map(|root| root.uv))
+            .collect();
+        let known = self.roots[y * width + x].len();
+        starts.into_iter().for_each(|uv| self.try_root(x, y, uv));
+        self.roots[y * width + x].len() > known
+    }
+
     fn residual(&mut self, uv: [f64; 2], st: [f64; 2]) -> Option<[f64; 2]> {
         self.take(uv).end.st().map(|at| [at[0] - st[0], at[1] - st[1]])
     }
 
-    /// F's derivatives by differences, forward or, where F ends, backward.
+    /// F's derivatives by differences, forward or backward, between rays of one course: beside the end of a branch even a small step may leave it.
     fn jacobian(&mut self, uv: [f64; 2], st: [f64; 2], f: [f64; 2]) -> Option<[[f64; 2]; 2]> {
+        let here = self.take(uv);
         let mut jacobian = [[0.0; 2]; 2];
         for axis in 0..2 {
             let mut difference = |h: f64| {
                 let mut to = uv;
                 to[axis] += h;
-                let at = self.residual(to, st)?;
-                Some([0, 1].map(|k| (at[k] - f[k]) / h))
+                let there = self.take(to);
+                if !there.same_course(&here) {
+                    return None;
+                }
+                let at = there.end.st()?;
+                Some([0, 1].map(|k| (at[k] - st[k] - f[k]) / h))
             };
-            let by_axis = difference(1e-8).or_else(|| difference(-1e-8))?;
+            let by_axis = difference(1e-8)
+                .or_else(|| difference(-1e-8))
+                .or_else(|| difference(1e-9))
+                .or_else(|| difference(-1e-9))?;
             jacobian[0][axis] = by_axis[0];
             jacobian[1][axis] = by_axis[1];
         }

@@ -58,7 +58,7 @@ fn judged(name: &str, setup: &Setup, care: Care) -> Verdict {
 fn compare(map: &Map, judge: &mut Judge) -> Verdict {
     let mut verdict = Verdict { pixels: map.uv.len(), ..Verdict::default() };
     let place = |index: usize| (index % map.width, index / map.width);
-    let mut worst = 0.0f64;
+    let (mut worst, mut where_beyond) = (0.0f64, String::new());
     // What the map answers counts if it is so: the judge, too, may have overlooked it.
     for (index, (uv, status)) in map.uv.iter().zip(&map.status).enumerate() {
         assert_eq!(
@@ -78,6 +78,26 @@ fn compare(map: &Map, judge: &mut Judge) -> Verdict {
         {
             verdict.beyond += 1;
             worst = worst.max(off);
+            let arrives = judge.roots[index].len();
+            where_beyond += &format!(
+                "\n    off by {off:.1e} at {:?} {uv:?} {status:?}, {arrives} roots",
+                (x, y)
+            );
+        }
+    }
+    // Where the two disagree, it is looked at again from what the judge knows of the pixels around, as long as that tells it more.
+    loop {
+        let disputed = (0..map.status.len()).filter(|&index| {
+            let (x, y) = place(index);
+            map.status[index] != judge.status(x, y)
+        });
+        let disputed: Vec<usize> = disputed.collect();
+        let more = disputed.into_iter().filter(|&index| {
+            let (x, y) = place(index);
+            judge.look_around(x, y)
+        });
+        if more.count() == 0 {
+            break;
         }
     }
     let mut kinds = [[0usize; 4]; 4];
@@ -108,6 +128,8 @@ fn compare(map: &Map, judge: &mut Judge) -> Verdict {
         }
     }
     if verdict.beyond > 0 {
+        // The first few are enough to look into.
+        verdict.text += &where_beyond.lines().take(6).collect::<Vec<_>>().join("\n");
         verdict.text += &format!("\n    worst error {worst:.2e}");
     }
     verdict
