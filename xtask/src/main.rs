@@ -7,6 +7,7 @@
 //! cargo xtask fuzz [--seconds N]     what reads files, under a fuzzer that follows coverage
 //! cargo xtask pictures               remake the pictures of the README and the book
 //! cargo xtask reference              bring the book's tables of keys and commands up to date
+//! cargo xtask wheel                  the Python package's wheel
 //! ```
 
 mod bench;
@@ -17,6 +18,7 @@ mod citations;
 mod fuzz;
 mod pictures;
 mod process;
+mod python;
 mod reference;
 mod setup;
 mod test;
@@ -48,6 +50,8 @@ enum Task {
     Pictures,
     /// Bring the book's tables of keys and commands up to date.
     Reference,
+    /// Build the Python package's wheel into target/wheels, and try it in a fresh environment.
+    Wheel,
 }
 
 /// The workspace's root: where this package's folder lies.
@@ -64,6 +68,7 @@ fn main() -> ExitCode {
         Task::Fuzz(options) => fuzz::run(&options),
         Task::Pictures => pictures::run().map(|()| true),
         Task::Reference => reference::write().map(|()| true),
+        Task::Wheel => python::wheel().map(|()| true),
     };
     match outcome {
         Ok(true) => ExitCode::SUCCESS,

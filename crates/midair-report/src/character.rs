@@ -54,13 +54,13 @@ pub fn sharpness(character: &Character) -> Picture {
     ])
 }
 
-/// In a few lines; `scene` is the scene's name.
-pub fn lines(character: &Character, scene: &str) -> String {
+/// In a few lines.
+pub fn lines(character: &Character) -> String {
     let share = |light: [f64; 3]| percent(luminance(light));
     let mut lines = format!(
         "{}: the slit-mirror plate; the viewpoint looks at it at {:.1} degrees of incidence\n\
          there {} of the display's light forms the image, {} is stray, {} goes through, {} is lost\n",
-        scene,
+        character.scene,
         character.incidence,
         share(character.shares.real),
         share(character.shares.stray),

@@ -35,16 +35,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let loaded = open_scene(&arguments.scene, None)?;
     let mut notes = loaded.notes.clone();
     let character = Character::of(&loaded, arguments.aperture)?;
-    if character.assumed {
-        notes.push(
-            "the scene's plate is ideal: what is shown is the usual slit-mirror plate \
-             (write model = \"slit-mirror\" with its values in the scene's [plate])"
-                .to_owned(),
-        );
-    }
-    if !loaded.scene.elements.is_empty() {
-        notes.push("the scene's elements are left out".to_owned());
-    }
+    notes.extend_from_slice(&character.notes);
     let mut output = crate::output::into_folder(&arguments.out)?;
     for (name, picture) in [
         ("shares.png", shares(&character)),
@@ -54,7 +45,6 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         output.write(name, |path| write_still(path, &picture, Depth::Eight))?;
     }
     let mut told = json!(character);
-    told["scene"] = json!(loaded.scene.name);
     told["notes"] = json!(notes);
     let text = format!("{told:#}\n");
     output.write("plate.json", |path| write_bytes_atomically(path, text.as_bytes()))?;
@@ -71,5 +61,5 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         "notes": told["notes"],
     });
     summary["files"] = paths(&files);
-    voice.tell(&format!("{}{}", lines(&character, &loaded.scene.name), wrote(&files)), &summary)
+    voice.tell(&format!("{}{}", lines(&character), wrote(&files)), &summary)
 }

@@ -28,12 +28,14 @@ const RAYS: usize = 200_000;
 /// All that characterises a slit-mirror plate; serialised, every number of plate.json.
 #[derive(Clone, Debug)]
 pub struct Character {
+    /// The scene's name.
+    pub scene: String,
+    /// What the reader should know: what was assumed, what was left out.
+    pub notes: Vec<String>,
     /// The plate's parameters.
     pub model: SlitMirror,
     /// Whether the luminance over the directions was measured.
     pub measured: bool,
-    /// Whether the scene's plate is ideal: then this is the usual slit-mirror plate.
-    pub assumed: bool,
     /// What becomes of light over [`INCIDENCE`] and [`AZIMUTH`], degree by degree.
     pub directions: Directions,
     /// The image's luminance over [`VIEWERS`], in steps of 2 degrees.
@@ -64,10 +66,21 @@ impl Character {
     /// # Errors
     /// Where the scene cannot be traced, or the plate not be.
     pub fn of(loaded: &Loaded, aperture: f64) -> Result<Self, Error> {
-        let (parameters, assumed) = match loaded.scene.plate.model {
-            PlateModel::SlitMirror(parameters) => (parameters, false),
-            PlateModel::Ideal => (SlitMirror::default(), true),
+        let mut notes = Vec::new();
+        let parameters = match loaded.scene.plate.model {
+            PlateModel::SlitMirror(parameters) => parameters,
+            PlateModel::Ideal => {
+                notes.push(
+                    "the scene's plate is ideal: what is shown is the usual slit-mirror plate \
+                     (write model = \"slit-mirror\" with its values in the scene's [plate])"
+                        .to_owned(),
+                );
+                SlitMirror::default()
+            }
         };
+        if !loaded.scene.elements.is_empty() {
+            notes.push("the scene's elements are left out".to_owned());
+        }
         let model = SlitMirrorPlate::new(parameters)?;
         let mut setup = Setup::new(loaded)?.with_plate(model.clone().into()).unobstructed();
         if let Some(table) = &loaded.luminance {
@@ -96,9 +109,10 @@ impl Character {
         let frequencies: Vec<f64> = (0..=80).map(|i| highest * f64::from(i) / 80.0).collect();
         let transfer = spread.modulation_transfer(&frequencies);
         Ok(Self {
+            scene: loaded.scene.name.clone(),
+            notes,
             model: parameters,
             measured: loaded.luminance.is_some(),
-            assumed,
             directions: over_directions(&model, &steps(INCIDENCE, 1.0), &steps(AZIMUTH, 1.0)),
             range: viewpoints.visible_range_from(viewing_angles(-in_image)),
             viewpoints,
@@ -143,6 +157,8 @@ type Grid<T> = Vec<Vec<T>>;
 
 #[derive(Serialize)]
 struct Told<'a> {
+    scene: &'a str,
+    notes: &'a [String],
     plate: ToldPlate,
     from_viewpoint: ToldSight,
     directions: ToldDirections<'a>,
@@ -237,6 +253,8 @@ impl Serialize for Character {
         let span = |span: &Span| ToldSpan { from: span.from, to: span.to, cut: span.cut };
         let luminance = self.viewpoints.luminance.chunks(self.viewpoints.azimuth.len());
         let told = Told {
+            scene: &self.scene,
+            notes: &self.notes,
             plate: ToldPlate {
                 model: "slit-mirror",
                 pitch: p.pitch,
@@ -298,5 +316,36 @@ impl Serialize for Character {
             },
         };
         told.serialize(serializer)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Format, InMemory, load_text};
+    use serde_json::Value;
+
+    /// What the data say of the viewpoint is what the plate's own closed form says, and the figures of one kind add up.
+    #[test]
+    fn the_data_agree_with_the_plate_itself() {
+        let text = "[viewpoint]\nposition = [0.0, 0.0, 800.0]\n[image]\nsize = [20.0, 20.0]\n\
+             [plate]\nposition = [0.0, 0.0, -150.0]\nrotation = [-45.0, 0.0, 0.0]\nsize = [400.0, 400.0]\n[display]\n";
+        let loaded = load_text(text, "a", Format::Toml, &InMemory::new()).unwrap();
+        let character = Character::of(&loaded, 4.0).unwrap();
+        assert!(character.notes[0].contains("ideal"));
+        // The plate leans by 45 degrees, and the eye looks along z.
+        assert!((character.incidence - 45.0).abs() < 1e-9);
+        let data = serde_json::to_value(&character).unwrap();
+        let directions = &data["directions"];
+        let shares = |kind: &str| directions[kind][45][45][1].as_f64().unwrap();
+        let sum: f64 = ["real", "stray", "through", "lost"].into_iter().map(shares).sum();
+        assert!((sum - 1.0).abs() < 1e-9, "{sum}");
+        let transfer = data["modulation_transfer"]["x"].as_array().unwrap();
+        assert_eq!((transfer.len(), transfer[0].as_f64()), (81, Some(1.0)));
+        let cells = data["point_spread"]["cells"].as_array().unwrap();
+        assert_eq!(cells.len(), CELLS);
+        let light: f64 =
+            cells.iter().flat_map(|row| row.as_array().unwrap()).filter_map(Value::as_f64).sum();
+        assert!(light > 0.0);
     }
 }
