@@ -40,7 +40,7 @@ def compensate(context, root, coarse=1):
         picture = root.midair.picture = lattice()
     material = properties.part(root, "DISPLAY").data.materials[0]
     if root.midair.way == "BAKED" and coarse == 1:
-        surfaces.show(material, baked(root, found, made, picture))
+        surfaces.show(material, baked(root, made, picture))
     else:
         surfaces.show(material, picture, map_image(root, made))
     if coarse == 1:
@@ -49,8 +49,15 @@ def compensate(context, root, coarse=1):
 
 
 def lattice():
-    """The lattice that midair draws by itself: 7 x 7 lines."""
-    return as_image("Mid-air lattice", solver.lattice(512))
+    """A lattice of 7 x 7 yellow lines on black, as midair draws it: what is shown until a picture is chosen."""
+    import numpy as np
+
+    size, lines = 512, 7
+    across = (np.arange(size) + 0.5) / size * lines
+    on_line = np.abs(across - np.floor(across) - 0.5) < 0.06
+    pixels = np.zeros((size, size, 3), np.uint8)
+    pixels[on_line[:, None] | on_line[None, :]] = (255, 255, 0)
+    return as_image("Mid-air lattice", pixels)
 
 
 def map_image(root, made):
@@ -76,14 +83,14 @@ def map_image(root, made):
     return image
 
 
-def baked(root, found, made, picture):
+def baked(root, made, picture):
     """The picture that the display must show, as an image of its own."""
     if picture.source in ("MOVIE", "SEQUENCE"):
         raise Trouble(
             f"{picture.name}: a movie is not baked here: show it through the map, or apply the map to the file by "
             "`midair apply`"
         )
-    shown = solver.applied(found, made, as_array(picture), root.midair.optimal)
+    shown = solver.applied(made, as_array(picture), root.midair.optimal)
     return as_image(f"{root.name} display", shown)
 
 
@@ -124,9 +131,9 @@ def as_image(name, array):
 def judge(root, found, made):
     """The set-up in words: what midair finds of it."""
     own = root.midair
-    own.formed = solver.formed(found)
+    own.formed, findings = solver.judged(found)
     own.findings.clear()
-    for severity, sentence, remedy in solver.findings(found):
+    for severity, sentence, remedy in findings:
         line = own.findings.add()
         line.severity, line.sentence, line.remedy = severity, sentence, remedy
     folded, pixels = solver.folded(made)

@@ -7,7 +7,7 @@ import bpy
 
 from . import properties
 
-ICONS = {"error": "CANCEL", "warning": "ERROR", "note": "INFO"}
+ICONS = {"fault": "CANCEL", "warning": "ERROR", "note": "INFO"}
 
 
 def _lines(layout, text, icon="NONE", width=46):

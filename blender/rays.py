@@ -8,7 +8,6 @@ from . import compensate, properties, solver
 # As in midair's own pictures of statuses.
 COLOURS = {
     "ok": (0.20, 0.75, 0.35, 0.9),
-    "folded": (0.95, 0.65, 0.10, 0.9),
     "outside": (0.45, 0.55, 0.95, 0.9),
     "blocked": (0.90, 0.25, 0.20, 0.9),
 }
