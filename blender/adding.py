@@ -5,7 +5,7 @@ import os
 
 import bpy
 
-from . import blocks, building, files, frames, meshes, properties, render, solver
+from . import blocks, building, files, frames, meshes, properties, solver, sync
 from .solver import Trouble, told
 
 # A set-up to begin from: an image 150 mm before a plate at 45 degrees over a display that lies.
@@ -63,12 +63,12 @@ KINDS = [(key, block["name"].capitalize(), f"A {block['name']}") for key, block 
 
 def add_element(context, root, block):
     """A new element of a set-up, by its block of the scene file."""
+    sync.bring_up_to_date(context, root)
     own = root.midair
     text = blocks.appended(own.text.as_string(), block)
     found = solver.load(text, own.folder)
     meshes.check(block, own.folder)
-    own.text.clear()
-    own.text.write(text)
+    own.text.from_string(text)
     thing = building.add_element(context, root, len(properties.elements(root)), block)
     building.place_all(root, found)
     context.view_layer.update()

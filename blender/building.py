@@ -15,29 +15,36 @@ def build(context, text, folder, name):
     for element in values.get("element", []):
         meshes.check(element, folder)
     root = bpy.data.objects.new(values.get("name", name), None)
+    kept = bpy.data.texts.new(name if name.endswith(".toml") else name + ".toml")
+    try:
+        _fill(context, root, kept, text, folder, values, found)
+    except Exception:
+        remove(root)
+        raise
+    return root
+
+
+def _fill(context, root, kept, text, folder, values, found):
+    """Hangs everything on the frame."""
+    own = root.midair
+    own.role, own.text, own.folder = "SETUP", kept, folder
     context.collection.objects.link(root)
     frames.set_root(root, context.scene)
     root.empty_display_size = 50.0
-    kept = bpy.data.texts.new(name if name.endswith(".toml") else name + ".toml")
     kept.from_string(text)
     kept.cursor_set(0)
-    own = root.midair
-    own.role, own.text, own.folder = "SETUP", kept, folder
     context.view_layer.update()
     for role in ("IMAGE", "PLATE", "DISPLAY"):
         mesh = bpy.data.meshes.new(role.title())
         shapes.rectangle(mesh)
         thing = _part(context, root, role, role.title(), mesh)
-        mesh.materials.append(bpy.data.materials.new(f"Mid-air {role.lower()}"))
+        if role != "IMAGE":
+            mesh.materials.append(bpy.data.materials.new(f"Mid-air {role.lower()}"))
         _custom(thing, values.get(role.lower(), {}))
-    surfaces.image(properties.part(root, "IMAGE").data.materials[0])
     surfaces.display(properties.part(root, "DISPLAY").data.materials[0])
     eye = _part(context, root, "VIEWPOINT", "Viewpoint", bpy.data.cameras.new("Viewpoint"))
     image = properties.part(root, "IMAGE")
-    image.display_type = "WIRE"
-    image.visible_shadow = image.visible_camera = False
-    for ray in ("diffuse", "glossy", "transmission", "volume_scatter"):
-        setattr(image, f"visible_{ray}", False)
+    image.display_type, image.hide_render = "WIRE", True
     for index, element in enumerate(values.get("element", [])):
         add_element(context, root, index, element)
     place_all(root, found, values)
@@ -45,7 +52,15 @@ def build(context, text, folder, name):
         context.scene.camera = eye
     context.view_layer.update()
     remember(root)
-    return root
+
+
+def remove(root):
+    """Takes a set-up out of the file."""
+    kept = root.midair.text
+    for thing in [*properties.parts(root), root]:
+        bpy.data.objects.remove(thing)
+    if kept is not None:
+        bpy.data.texts.remove(kept)
 
 
 def _part(context, root, role, name, data):

@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import properties, solver, surfaces, sync
+from . import frames, properties, solver, surfaces, sync
 from .solver import Trouble, told
 
 # Pixels that the map goes on beyond what it answers, so that interpolation has neighbours there.
@@ -15,7 +15,7 @@ def eye(context, root):
     camera = context.scene.camera
     own = properties.part(root, "VIEWPOINT")
     if camera is None or camera == own:
-        return list(own.location)
+        return frames.pose(own, root)[0]
     return list(root.matrix_world.inverted() @ camera.matrix_world.translation)
 
 

@@ -93,6 +93,13 @@ def start():
 
 @persistent
 def _loaded(*_):
+    """Maps are not in .blend files: those that a display showed are made again."""
+    for root in properties.roots_in(bpy.context.scene):
+        if root.midair.formed >= 0.0 and root.midair.way == "MAP":
+            try:
+                compensate.compensate(bpy.context, root)
+            except solver.errors() as error:
+                root.midair.said = solver.words(error)
     start()
 
 

@@ -112,8 +112,9 @@ def root_of(context):
     if thing is not None:
         if thing.midair.role == "SETUP":
             return thing
-        if thing.midair.setup is not None:
-            return thing.midair.setup
+        own = thing.midair.setup
+        if own is not None and own.users_scene:
+            return own
     roots = roots_in(context.scene)
     return roots[0] if len(roots) == 1 else None
 

@@ -43,7 +43,7 @@ def is_framed(root):
 
 
 def set_up(context, root, width, samples):
-    """Cycles' settings: pixels are the mean over their square, colours are the display's, and nothing else gives light."""
+    """Cycles' settings: pixels are the mean over their square, and colours are the display's. A scene without a world is dark."""
     scene = context.scene
     image = properties.part(root, "IMAGE")
     scene.render.engine = "CYCLES"

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials of a set-up: glass, mirrors, and the display with what it shows."""
 
-import bpy
-
 # The display's nodes are found again by these names.
 MAP, COVER, PICTURE = "Mid-air map", "Mid-air coverage", "Mid-air picture"
 
@@ -37,14 +35,6 @@ def mirror(made, reflectance):
     node.inputs["Color"].default_value = (*_three(reflectance), 1.0)
     tree.links.new(node.outputs[0], out.inputs["Surface"])
     made.diffuse_color = (0.7, 0.7, 0.7, 1.0)
-
-
-def image(made):
-    """Where the mid-air image floats: a mark for the viewport, which renders do not show."""
-    tree, out = _new(made)
-    node = tree.nodes.new("ShaderNodeBsdfTransparent")
-    tree.links.new(node.outputs[0], out.inputs["Surface"])
-    made.diffuse_color = (1.0, 0.85, 0.3, 0.2)
 
 
 def display(made):

@@ -123,8 +123,7 @@ def _need_all(root):
 
 
 def _replace(kept, text):
-    kept.clear()
-    kept.write(text)
+    kept.from_string(text)
     kept.cursor_set(0)
 
 
@@ -221,10 +220,7 @@ class MIDAIR_OT_reload(bpy.types.Operator):
             made = building.build(context, own.text.as_string(), own.folder, own.text.name)
             made.matrix_world = root.matrix_world
             made.midair.picture, made.midair.way, made.midair.optimal = own.picture, own.way, own.optimal
-            old = own.text
-            for thing in [*properties.parts(root), root]:
-                bpy.data.objects.remove(thing)
-            bpy.data.texts.remove(old)
+            building.remove(root)
             context.view_layer.objects.active = made
         return outcome()
 

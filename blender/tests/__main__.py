@@ -44,7 +44,9 @@ def main():
 
         bench.install(folder)
         wanted = sys.argv[1] if len(sys.argv) > 1 else "test_*.py"
-        tests = unittest.TestLoader().discover(str(HERE), pattern=wanted)
+        loader = unittest.TestLoader()
+        loader.testNamePatterns = [f"*{name}*" for name in sys.argv[2:]] or None
+        tests = loader.discover(str(HERE), pattern=wanted)
         outcome = unittest.TextTestRunner(resultclass=Lines, verbosity=0).run(tests)
     sys.exit(not outcome.wasSuccessful())
 

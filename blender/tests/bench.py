@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the tests share: Blender with the extension installed, scenes, pictures, and what they are held against."""
 
+import contextlib
 import importlib
 import json
 import os
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -33,8 +35,6 @@ def empty():
     import bpy
 
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    if bpy.context.scene.world is None:
-        bpy.context.scene.world = bpy.data.worlds.new("World")
 
 
 def imported(path):
@@ -70,6 +70,20 @@ def picture(folder, size=384):
     return path
 
 
+@contextlib.contextmanager
+def quiet():
+    """Blender tells each step of a render on standard output, past Python."""
+    sys.stdout.flush()
+    kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
+        os.close(nowhere)
+
+
 def render(path, width=256, samples=32):
     """What Cycles shows, by the add-on's settings, as a PNG."""
     import bpy
@@ -77,7 +91,8 @@ def render(path, width=256, samples=32):
     assert bpy.ops.midair.set_up_render(width=width, samples=samples) == {"FINISHED"}
     bpy.context.scene.render.filepath = str(path)
     bpy.context.scene.render.image_settings.file_format = "PNG"
-    bpy.ops.render.render(write_still=True)
+    with quiet():
+        bpy.ops.render.render(write_still=True)
     return str(path)
 
 

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Compensate, live, rays: what the display shows, and what is told of it."""
 
-import os
 import tempfile
 import unittest
 from pathlib import Path
@@ -88,7 +87,8 @@ class Compensate(unittest.TestCase):
         made.render.ffmpeg.format, made.render.ffmpeg.codec = "MPEG4", "H264"
         made.view_settings.view_transform = "Standard"
         made.render.filepath = path
-        bpy.ops.render.render(animation=True, scene=made.name)
+        with bench.quiet():
+            bpy.ops.render.render(animation=True, scene=made.name)
         bpy.data.scenes.remove(made)
 
     def test_the_map_is_for_the_active_camera(self):

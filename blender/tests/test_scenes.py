@@ -2,6 +2,7 @@
 """Scene files and Blender's objects: in, edited, out again."""
 
 import math
+import shutil
 import tempfile
 import tomllib
 import unittest
@@ -75,7 +76,7 @@ class Scenes(unittest.TestCase):
             text = path.read_text(encoding="utf-8")
             if "bunny" in path.name:
                 # Its mesh is not part of the repository.
-                with self.assertRaisesRegex(RuntimeError, "there is no such file: put the mesh there"):
+                with self.assertRaisesRegex(RuntimeError, "bunny.ply"):
                     bench.imported(path)
                 continue
             bench.imported(path)
@@ -130,17 +131,17 @@ class Scenes(unittest.TestCase):
     def test_a_display_that_is_left_out_follows_and_one_that_is_moved_is_written(self):
         bench.imported(bench.SCENES / "paper" / "sphere.toml")
         display = self.thing("Display")
-        # The image at the origin, mirrored in the plate at 45 degrees, 150 mm behind.
+        # The image at the origin, mirrored in the plate at 45 degrees, 150 mm behind: (x, y, z) goes to (x, -150 - z, -150 - y).
         for got, expected in zip(display.location, (0.0, -150.0, -150.0)):
             self.assertAlmostEqual(got, expected, delta=1e-4)
         self.thing("Image").location.y += 5.0
         bpy.ops.midair.sync()
-        for got, expected in zip(display.location, (0.0, -150.0, -145.0)):
+        for got, expected in zip(display.location, (0.0, -150.0, -155.0)):
             self.assertAlmostEqual(got, expected, delta=1e-4)
         self.assertNotIn("position", tomllib.loads(self.exported())["display"])
         display.location.x = 7.0
         values = tomllib.loads(self.exported())["display"]
-        self.assertEqual(values["position"], [7.0, -150.0, -145.0])
+        self.assertEqual(values["position"], [7.0, -150.0, -155.0])
         self.assertEqual(len(values["rotation"]), 3)
 
     def test_scaled_things_are_written_with_their_lengths(self):
@@ -165,18 +166,18 @@ class Scenes(unittest.TestCase):
         self.assertEqual(bpy.ops.midair.add_element(kind="CUBE"), {"FINISHED"})
         self.thing("cube").location.z = -40.0
         names = [element["name"] for element in tomllib.loads(self.exported())["element"]]
-        self.assertEqual(names, ["ball", "table", "cube", "second ball"])
+        self.assertEqual(names, ["ball", "table", "second ball", "cube"])
         bpy.data.objects.remove(self.thing("table"))
         text = self.exported()
         elements = tomllib.loads(text)["element"]
-        self.assertEqual([element["name"] for element in elements], ["ball", "cube", "second ball"])
-        self.assertEqual(elements[1]["position"], [0.0, 0.0, -40.0])
-        self.assertEqual(elements[2]["shape"], elements[0]["shape"])
+        self.assertEqual([element["name"] for element in elements], ["ball", "second ball", "cube"])
+        self.assertEqual(elements[2]["position"], [0.0, 0.0, -40.0])
+        self.assertEqual(elements[1]["shape"], elements[0]["shape"])
         self.assertIn("# The ball stands on the table.", text)
         self.assertNotIn("# The table, turned up.", text)
         # What is left still follows edits, under its new number.
         self.thing("cube").location.z = -30.0
-        self.assertEqual(tomllib.loads(self.exported())["element"][1]["position"], [0.0, 0.0, -30.0])
+        self.assertEqual(tomllib.loads(self.exported())["element"][2]["position"], [0.0, 0.0, -30.0])
 
     def test_a_set_up_from_scratch_is_a_scene(self):
         bench.empty()
@@ -189,7 +190,9 @@ class Scenes(unittest.TestCase):
             self.assertGreater(shares["image"]["formed"], 0.9, kind)
 
     def test_meshes_go_in_and_out(self):
-        bench.imported(bench.SCENES / "spot.toml")
+        (self.path.parent / "meshes").mkdir()
+        shutil.copy(bench.SCENES / "meshes" / "spot.obj", self.path.parent / "meshes")
+        bench.imported(self.write((bench.SCENES / "spot.toml").read_text()))
         spot = self.thing("spot")
         count = len(spot.data.vertices)
         self.assertGreater(count, 1000)
@@ -213,7 +216,9 @@ class Scenes(unittest.TestCase):
         for a, b in zip(written, corners):
             # Blender writes six decimals.
             self.assertLess(max(abs(a[0] - b[0] - 2.0), abs(a[1] - b[1]), abs(a[2] - b[2])), 1e-4)
-        self.addCleanup((bench.SCENES / "spot-blender.obj").unlink, missing_ok=True)
+        # It stands beside the scene; the file that it came from is as it was.
+        original = (bench.SCENES / "meshes" / "spot.obj").read_bytes()
+        self.assertEqual((self.path.parent / "meshes" / "spot.obj").read_bytes(), original)
 
     def test_a_mesh_of_blender_s_becomes_an_element(self):
         bench.imported(self.write(SCENE))
@@ -222,7 +227,7 @@ class Scenes(unittest.TestCase):
         thing.name = "drop"
         self.assertEqual(bpy.ops.midair.element_from_mesh(ior=1.33), {"FINISHED"})
         element = tomllib.loads(self.exported())["element"][2]
-        self.assertEqual(element["shape"], {"kind": "mesh", "file": "drop-blender.obj"} | UNITS)
+        self.assertEqual(element["shape"], {"kind": "mesh", "file": "drop-blender.obj"})
         # 50 mm to the right, 20 mm up: the scene file's y.
         for got, expected in zip(element["position"], (50.0, 20.0, 0.0)):
             self.assertAlmostEqual(got, expected, delta=1e-3)
@@ -251,9 +256,6 @@ class Scenes(unittest.TestCase):
         bpy.data.objects.remove(self.thing("Plate"))
         with self.assertRaisesRegex(RuntimeError, "the plate has been removed"):
             self.exported()
-
-
-UNITS = {"scale": 1.0, "unit": "mm"}
 
 
 def vector(corner):
