@@ -110,4 +110,4 @@ def rays(scene, uv):
 
 
 # What becomes of a pixel by how its path ends; all other ends block it.
-STATUS = {"display": "ok", "missed_display": "outside"}
+STATUS = {"formed": "ok", "missed_display": "outside"}
