@@ -249,6 +249,8 @@ class Scenes(unittest.TestCase):
             self.assertEqual(len(bpy.data.objects), 0)
         with self.assertRaisesRegex(RuntimeError, "no.toml"):
             bpy.ops.import_scene.midair(filepath=str(self.path.with_name("no.toml")))
+        with self.assertRaisesRegex(RuntimeError, "scene files that Blender edits are TOML"):
+            bpy.ops.import_scene.midair(filepath=str(self.path.with_suffix(".json")))
         bench.imported(self.write(SCENE))
         self.thing("Viewpoint").location = (0.0, 20.0, 3.0)
         with self.assertRaisesRegex(RuntimeError, "(?i)inside"):

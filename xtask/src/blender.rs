@@ -49,10 +49,33 @@ pub fn test(optional: &[Peer]) -> Tally {
         }
         return Tally::of(Err(anyhow::anyhow!("the extension's tests need a Python with bpy")));
     };
-    match build(&python, None) {
+    let folder = tempfile::tempdir();
+    let built = folder.context("there is no place for a wheel").and_then(|folder| {
+        // The same features as the tests had: there is nothing left to build after them.
+        process::run(&mut process::cargo(&["build", "--quiet", "--workspace", "--all-targets"]))?;
+        build(&python, Some(&packed(&python, folder.path())?))
+    });
+    match built {
         Ok(zip) => run_tests(&python, &zip, None),
         Err(error) => Tally::of(Err(error)),
     }
+}
+
+/// Where the step before puts the Python package together from what cargo has built for the tests.
+const PACKAGE: &str = "target/python/package/midair";
+
+/// Packs a folder of a Python package as a wheel.
+const PACK: &str = "xtask/peers/pack_wheel.py";
+
+/// A wheel of the package as it was built for the tests: one for users takes minutes to build.
+fn packed(python: &Path, folder: &Path) -> Result<PathBuf> {
+    let package = crate::root().join(PACKAGE);
+    ensure!(package.is_dir(), "{PACKAGE} is not there: `cargo xtask test --only python` makes it");
+    let mut pack = Command::new(python);
+    pack.arg(PACK).arg(package).arg(env!("CARGO_PKG_VERSION")).arg(folder);
+    pack.current_dir(crate::root());
+    let wheel = process::output(&mut pack).context("the package cannot be packed as a wheel")?;
+    Ok(PathBuf::from(wheel.trim()))
 }
 
 fn build(python: &Path, wheel: Option<&Path>) -> Result<PathBuf> {
