@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From a scene file's text to Blender's objects."""
 
+import json
 import tomllib
 
 import bpy
@@ -113,10 +114,21 @@ def own_value(value):
     return value.to_list() if hasattr(value, "to_list") else value
 
 
+def take_mesh(thing):
+    """Takes an element's mesh for what its shape says."""
+    thing.midair.built = _described(block(thing)["shape"])
+
+
+def _described(shape):
+    return json.dumps(shape, sort_keys=True)
+
+
 def reshape(thing):
-    """Makes an element's mesh what its shape says."""
+    """Makes an element's mesh what its shape says, unless it is that already."""
     values = block(thing)
     shape = values["shape"]
+    if thing.midair.built == _described(shape):
+        return
     faces = shapes.build(shape)
     if faces is not None:
         faces.into(thing.data)
@@ -124,6 +136,7 @@ def reshape(thing):
         meshes.read(thing, shape)
     else:
         meshes.heights(thing, shape, refractive="mirror" not in values.get("material", {}))
+    take_mesh(thing)
 
 
 def place_all(root, found, values=None):
@@ -142,7 +155,8 @@ def place_all(root, found, values=None):
             thing.scale = (*one["size"], 1.0)
         else:
             thing.location = values["viewpoint"]["position"]
-    clothe(root, found)
+    for thing in properties.parts(root):
+        clothe(thing, found)
     render.frame(root)
 
 
@@ -153,18 +167,17 @@ def place_display(thing, found):
     thing.scale = (*size, 1.0)
 
 
-def clothe(root, found):
-    """The materials of plate and elements, from their custom properties."""
-    for thing in properties.parts(root):
-        if thing.midair.role == "PLATE":
-            plate.fill(thing.data.materials[0], block(thing))
-        elif thing.midair.role == "ELEMENT":
-            stuff = block(thing)["material"]
-            made = thing.data.materials[0]
-            if stuff.get("mirror"):
-                surfaces.mirror(made, stuff.get("reflectance", 1.0))
-            else:
-                surfaces.glass(made, solver.index(found, thing.midair.index))
+def clothe(thing, found):
+    """The material of a plate or an element, from its custom properties."""
+    if thing.midair.role == "PLATE":
+        plate.fill(thing.data.materials[0], block(thing))
+    elif thing.midair.role == "ELEMENT":
+        stuff = block(thing)["material"]
+        made = thing.data.materials[0]
+        if stuff.get("mirror"):
+            surfaces.mirror(made, stuff.get("reflectance", 1.0))
+        else:
+            surfaces.glass(made, solver.index(found, thing.midair.index))
 
 
 def remember(root):

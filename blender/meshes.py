@@ -231,7 +231,7 @@ class MIDAIR_OT_element_from_mesh(bpy.types.Operator):
 
 def adopt(context, root, thing, mirror, ior):
     """Makes a mesh object an element of a set-up."""
-    from . import sync
+    from . import building, sync
 
     own = thing.midair
     frames.adopt(thing, root)
@@ -255,6 +255,7 @@ def adopt(context, root, thing, mirror, ior):
     thing.data.materials.append(bpy.data.materials.new(thing.name))
     try:
         write(thing, os.path.join(root.midair.folder, file_name(thing)))
+        building.take_mesh(thing)
         sync.bring_up_to_date(context, root)
     except Exception:
         own.role, own.setup = "NONE", None

@@ -74,6 +74,7 @@ class MidairObject(bpy.types.PropertyGroup):
     setup: PointerProperty(type=bpy.types.Object, poll=_is_root, description="The set-up that it belongs to")
     index: IntProperty(description="Which of the scene file's elements it is, from 0")
     seen: StringProperty(description="The values that the scene file has been brought up to date with")
+    built: StringProperty(description="The shape that the mesh was made by")
     mesh: StringProperty(description="What the mesh was when its file was written or read")
 
     # Of the frame, which stands for the whole set-up.

@@ -260,6 +260,7 @@ def scaled(shape, factors):
 
 
 REMEDIES = {
+    "mesh": "a mesh is scaled alike in all directions; Object > Apply > Scale makes other factors its own",
     "sphere": "a ball scaled by different factors is an ellipsoid; scale it alike along x, y and z, or give it "
     "shape.kind = ellipsoid and shape.radii",
     "cylinder": "a cylinder stays round; scale it alike along x and z",

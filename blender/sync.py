@@ -103,8 +103,10 @@ def _bring_up_to_date(context, root):
     for thing in reshaped:
         meshes.write(thing, os.path.join(root.midair.folder, meshes.file_name(thing)))
         thing["shape.file"], thing["shape.scale"], thing["shape.unit"] = meshes.file_name(thing), 1.0, "mm"
-        for key in ("scale", "unit"):
-            changes[f"{properties.prefix(thing)}.shape.{key}"] = thing[f"shape.{key}"]
+        building.take_mesh(thing)
+        now = values(thing, root)
+        for key in ("shape.scale", "shape.unit"):
+            changes[f"{properties.prefix(thing)}.{key}"] = now[key]
     text = solver.changed(text, root.midair.folder, changes)
     found = solver.load(text, root.midair.folder)
     _replace(root.midair.text, text)
@@ -164,24 +166,22 @@ def _with_copies(text, root):
 def _follow(context, root, found, changed):
     """Brings along what follows from edits: meshes, materials, a display that stands where it belongs, the camera."""
     for thing in properties.elements(root):
-        own = f"{properties.prefix(thing)}.shape."
-        if any(key.startswith(own) for key in changed) and not meshes.is_edited(thing):
-            _take_scale(thing, root)
+        if not meshes.is_edited(thing):
             building.reshape(thing)
     given = tomllib.loads(root.midair.text.as_string()).get("display", {})
     if "position" not in given and "rotation" not in given:
         building.place_display(properties.part(root, "DISPLAY"), found)
-    building.clothe(root, found)
+    for thing in properties.parts(root):
+        if _looks_other(properties.prefix(thing), changed):
+            building.clothe(thing, found)
     render.frame(root)
     context.view_layer.update()
 
 
-def _take_scale(thing, root):
-    """Lengths that were scaled in the viewport become the shape's own."""
-    for key, value in values(thing, root).items():
-        if key.startswith("shape.") and thing.get(key) is not None:
-            thing[key] = value
-    thing.scale = (1.0, 1.0, 1.0)
+def _looks_other(own, changed):
+    """Whether a change is to more of a thing than where it stands: materials that change stop a render that is under way."""
+    stands = {f"{own}.{key}" for key in ("position", "rotation", "size", "name")}
+    return any((key == own or key.startswith(own + ".")) and key not in stands for key in changed)
 
 
 class MIDAIR_OT_sync(bpy.types.Operator):

@@ -235,6 +235,35 @@ class Scenes(unittest.TestCase):
         radii = [math.hypot(*map(float, line.split()[1:4])) for line in lines if line.startswith("v ")]
         self.assertTrue(radii and all(abs(radius - 10.0) < 1e-3 for radius in radii))
 
+    def test_modifiers_and_scale_are_part_of_a_mesh(self):
+        bench.imported(self.write(SCENE))
+        bpy.ops.mesh.primitive_cube_add(size=0.020, location=(0.08, 0.0, 0.02))
+        thing = bpy.context.active_object
+        thing.name = "block"
+        thing.modifiers.new("finer", "SUBSURF").levels = 1
+        thing.modifiers["finer"].subdivision_type = "SIMPLE"
+        bpy.ops.midair.element_from_mesh(ior=1.5)
+        path = Path(self.folder.name) / "block-blender.obj"
+        corners = lambda: [line for line in path.read_text().splitlines() if line.startswith("v ")]  # noqa: E731
+        # A cube whose faces are quartered: 8 corners, 12 edges' middles, 6 faces' middles.
+        self.assertEqual(len(corners()), 26)
+        self.assertEqual(len(thing.data.vertices), 8)
+        thing.scale = (2.0, 2.0, 2.0)
+        self.assertEqual(tomllib.loads(self.exported())["element"][2]["shape"]["scale"], 2.0)
+        for vertex in thing.data.vertices:
+            vertex.co.z *= 0.5
+        thing.data.update()
+        shape = tomllib.loads(self.exported())["element"][2]["shape"]
+        self.assertEqual((shape["file"], shape["scale"]), ("block-blender.obj", 2.0))
+        tall = max(float(line.split()[3]) for line in corners())
+        self.assertAlmostEqual(tall, 5.0, places=4)
+        # Nothing was read back over it, and nothing is left to be written.
+        self.assertEqual((len(thing.data.vertices), len(corners())), (8, 26))
+        self.assertFalse(bench.module("meshes").is_edited(thing))
+        thing.scale.x = 1.0
+        with self.assertRaisesRegex(RuntimeError, "Apply > Scale"):
+            self.exported()
+
     def test_errors_are_told_in_words(self):
         wrong = [
             (SCENE.replace("radius", "radios"), "radius"),
