@@ -91,7 +91,7 @@ def _axes(tree):
     for unit in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
         turn = tree.nodes.new("ShaderNodeVectorTransform")
         turn.vector_type, turn.convert_from, turn.convert_to = "VECTOR", "OBJECT", "WORLD"
-        turn.inputs[0].default_value = unit
+        turn.inputs["Vector"].default_value = unit
         axis = turn.outputs[0]
         units.append(nodes.vector(tree, "NORMALIZE", axis))
         lengths.append(Wire(tree, nodes.vector(tree, "LENGTH", axis, output="Value")))
