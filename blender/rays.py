@@ -38,7 +38,8 @@ def _vector(point):
     return Vector(point)
 
 
-def _draw():
+def draw():
+    """Draws the rays of all set-ups that are to show them, by the matrices of the view that is drawn."""
     import gpu
     from gpu_extras.batch import batch_for_shader
 
@@ -71,7 +72,7 @@ def _draw():
 
 def register():
     global _handle
-    _handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
+    _handle = bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", "POST_VIEW")
 
 
 def unregister():

@@ -29,6 +29,10 @@ class Lines(unittest.TextTestResult):
         super().addError(test, error)
         self._told("FAILED", test)
 
+    def addSkip(self, test, reason):
+        super().addSkip(test, reason)
+        print(f"skipped: {test.id()}: {reason}", flush=True)
+
     def startTest(self, test):
         super().startTest(test)
         self.began = time.process_time()

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Compensate, live, rays: what the display shows, and what is told of it."""
 
+import math
+import os
 import subprocess
 import tempfile
 import unittest
@@ -8,7 +10,9 @@ from pathlib import Path
 
 import bench
 import bpy
+import gpu
 import numpy as np
+from mathutils import Euler, Matrix, Vector
 
 
 class Compensate(unittest.TestCase):
@@ -174,10 +178,48 @@ class Compensate(unittest.TestCase):
             # The display's z is in millimetres.
             self.assertLess(abs(end.z), 1e-3)
 
+    @unittest.skipUnless(hasattr(gpu, "init"), "this Blender draws nothing without a window; 5.x does")
+    def test_rays_are_drawn(self):
+        gpu.init()
+        rays = bench.module("rays")
+        self.root.midair.show_rays, self.root.midair.ray_count = True, 3
+        camera = bpy.data.objects.new("aside", bpy.data.cameras.new("aside"))
+        bpy.context.collection.objects.link(camera)
+        # From the right, all of it in the picture; the viewpoint's camera stays the active one.
+        camera.matrix_world = Matrix.Translation((2.0, -0.3, 0.0)) @ Euler((math.pi / 2, 0.0, math.pi / 2)).to_matrix().to_4x4()
+        bpy.context.view_layer.update()
+        size = (400, 200)
+        view = camera.matrix_world.inverted()
+        projection = camera.calc_matrix_camera(bpy.context.evaluated_depsgraph_get(), x=size[0], y=size[1])
+        target = gpu.types.GPUOffScreen(*size)
+        with target.bind():
+            buffer = gpu.state.active_framebuffer_get()
+            buffer.clear(color=(0.0, 0.0, 0.0, 1.0), depth=1.0)
+            with gpu.matrix.push_pop(), gpu.matrix.push_pop_projection():
+                gpu.matrix.load_matrix(view)
+                gpu.matrix.load_projection_matrix(projection)
+                rays.draw()
+            seen = np.array(buffer.read_color(0, 0, *size, 4, 0, "UBYTE").to_list()).reshape(size[1], size[0], 4)
+        target.free()
+        points, _ = rays.segments(bpy.context, self.root)
+        drawn = 0
+        for a, b in zip(points[::2], points[1::2]):
+            middle = projection @ view @ ((vector(a) + vector(b)) / 2).to_4d()
+            x, y = ((middle[k] / middle.w + 1) / 2 * size[k] for k in (0, 1))
+            if 2 <= x < size[0] - 2 and 2 <= y < size[1] - 2:
+                near = seen[int(y) - 1 : int(y) + 2, int(x) - 1 : int(x) + 2]
+                # A line one and a half pixels wide goes through, green on black.
+                self.assertGreater(near[..., 1].max(), 120)
+                self.assertLess(near[..., 2].max(), 120)
+                drawn += 1
+        self.assertGreater(drawn, len(points) // 2 * 2 // 3)
+        # And most of the picture is empty.
+        self.assertLess((seen[..., 1] > 60).mean(), 0.2)
+        if os.environ.get("MIDAIR_PICTURES"):
+            bench.keep([seen[::-1, :, :3].astype(np.uint8)], "blender-rays.png")
+
 
 def vector(place):
-    from mathutils import Vector
-
     return Vector(place)
 
 

@@ -191,6 +191,7 @@ fn run_tests(python: &Path, zip: &Path, pictures: Option<&Path>) -> Tally {
     let status = process::run_watched(&mut command, |line| {
         tally.passed += usize::from(line.starts_with("ok: "));
         tally.failed += usize::from(line.starts_with("FAILED: "));
+        tally.skipped += usize::from(line.starts_with("skipped: "));
     });
     match status {
         Ok(status) if status.success() && tally.passed > 0 => {}
