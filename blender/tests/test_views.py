@@ -9,6 +9,7 @@ from pathlib import Path
 import bench
 import bpy
 import numpy as np
+import overview
 
 # The cube's display is a little larger than the paper's, so that all of the image is formed.
 CUBE = ("size = [30.0, 30.0]\n\n[[element]]", "size = [32.0, 32.0]\n\n[[element]]")
@@ -59,6 +60,11 @@ class Views(unittest.TestCase):
         if os.environ.get("MIDAIR_PICTURES"):
             bpy.ops.midair.uncompensated()
             bench.keep([bench.render(self.at("plain.png")), seen, known], "blender-ball.png")
+            bpy.ops.midair.compensate()
+            overview.render(root, self.at("overview.png"))
+            bench.keep([self.at("overview.png")], "blender-set-up.png")
+            root = bench.imported(self.at("ball.toml"))
+            root.midair.picture = bpy.data.images.load(self.picture)
         # Through the map instead: the undistorted picture again.
         root.midair.way = "MAP"
         self.assertEqual(bpy.ops.midair.compensate(), {"FINISHED"})
