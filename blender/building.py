@@ -74,9 +74,14 @@ def _part(context, root, role, name, data):
     return thing
 
 
+def element_name(element):
+    """What people call an element: its name, or its shape."""
+    return element.get("name") or element["shape"]["kind"]
+
+
 def add_element(context, root, index, element):
     """An element as an object, by its block of the scene file."""
-    name = element.get("name") or element["shape"]["kind"]
+    name = element_name(element)
     mesh = bpy.data.meshes.new(name)
     thing = _part(context, root, "ELEMENT", name, mesh)
     thing.midair.index = index

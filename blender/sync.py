@@ -219,8 +219,20 @@ class MIDAIR_OT_reload(bpy.types.Operator):
         with solver.told(self) as outcome:
             made = building.build(context, own.text.as_string(), own.folder, own.text.name)
             made.matrix_world = root.matrix_world
-            made.midair.picture, made.midair.way, made.midair.optimal = own.picture, own.way, own.optimal
+            for key in ("picture", "way", "optimal", "show_rays", "ray_count"):
+                setattr(made.midair, key, getattr(own, key))
+            # The old set-up had the names until now.
+            names = {thing.midair.role: thing.name for thing in properties.parts(root)}
+            name, text = root.name, own.text.name
             building.remove(root)
+            made.name, made.midair.text.name = name, text
+            values = tomllib.loads(made.midair.text.as_string())
+            for thing in properties.parts(made):
+                if thing.midair.role == "ELEMENT":
+                    thing.name = building.element_name(values["element"][thing.midair.index])
+                else:
+                    thing.name = names.get(thing.midair.role, thing.name)
+            building.remember(made)
             context.view_layer.objects.active = made
         return outcome()
 

@@ -179,6 +179,26 @@ class Scenes(unittest.TestCase):
         self.thing("cube").location.z = -30.0
         self.assertEqual(tomllib.loads(self.exported())["element"][2]["position"], [0.0, 0.0, -30.0])
 
+    def test_a_text_that_was_edited_is_built_anew(self):
+        root = bench.imported(self.write(SCENE))
+        root.location.x, root.midair.ray_count = 0.3, 5
+        count = len(bpy.data.objects)
+        text = root.midair.text
+        text.from_string(SCENE.replace("radius = 20.0", "radius = 18.0").replace('"ball"', '"marble"'))
+        self.assertEqual(bpy.ops.midair.reload(), {"FINISHED"})
+        self.assertEqual(len(bpy.data.objects), count)
+        marble = self.thing("marble")
+        self.assertAlmostEqual(max(vertex.co.x for vertex in marble.data.vertices), 18.0, delta=0.01)
+        root = marble.parent
+        self.assertEqual(root.midair.ray_count, 5)
+        self.assertEqual((root.name, round(root.location.x, 6)), ("Ball on a mirror", 0.3))
+        self.assertEqual(self.exported(), SCENE.replace("radius = 20.0", "radius = 18.0").replace('"ball"', '"marble"'))
+        # What is wrong is told, and the set-up stays.
+        root.midair.text.from_string(SCENE.replace("sphere", "spere"))
+        with self.assertRaisesRegex(RuntimeError, "sphere"):
+            bpy.ops.midair.reload()
+        self.assertEqual(len(bpy.data.objects), count)
+
     def test_a_set_up_from_scratch_is_a_scene(self):
         bench.empty()
         for kind in ("NONE", "BALL", "CUBE", "CYLINDER", "CONE"):
