@@ -114,7 +114,9 @@ class MIDAIR_OT_add_element(bpy.types.Operator):
         with told(self) as outcome:
             root = properties.root_of(context)
             if root is None:
-                raise Trouble("there is no mid-air set-up yet, or more than one: add one, or select the one that is meant")
+                raise Trouble(
+                    "there is no mid-air set-up yet, or more than one: add one, or select the one that is meant"
+                )
             context.view_layer.objects.active = add_element(context, root, ELEMENTS[self.kind])
         return outcome()
 
@@ -138,7 +140,9 @@ class MIDAIR_OT_add_mesh(bpy.types.Operator):
         with told(self) as outcome:
             root = properties.root_of(context)
             if root is None:
-                raise Trouble("there is no mid-air set-up yet, or more than one: add one, or select the one that is meant")
+                raise Trouble(
+                    "there is no mid-air set-up yet, or more than one: add one, or select the one that is meant"
+                )
             path = os.path.abspath(self.filepath)
             block = {
                 "name": os.path.splitext(os.path.basename(path))[0],

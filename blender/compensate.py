@@ -140,7 +140,9 @@ def judge(root, found, made):
     if folded:
         line = own.findings.add()
         line.severity = "note"
-        line.sentence = f"{folded / pixels:.1%} of the display's pixels are folded: several image points ask for each of them"
+        line.sentence = (
+            f"{folded / pixels:.1%} of the display's pixels are folded: several image points ask for each of them"
+        )
         line.remedy = "the one nearest to the image's centre is shown"
 
 

@@ -27,7 +27,11 @@ class MIDAIR_PT_panel(bpy.types.Panel):
         layout = self.layout
         root = properties.root_of(context)
         if root is None:
-            _lines(layout, "There is no mid-air set-up, or more than one. Add > Light > Mid-air adds one; select the one that is meant.", "INFO")
+            _lines(
+                layout,
+                "There is no mid-air set-up, or more than one. Add > Light > Mid-air adds one; select the one that is meant.",
+                "INFO",
+            )
             return
         own = root.midair
         layout.template_ID(own, "picture", open="image.open")

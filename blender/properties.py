@@ -92,12 +92,17 @@ class MidairObject(bpy.types.PropertyGroup):
     way: EnumProperty(
         name="Display shows",
         items=[
-            ("MAP", "Through the map", "Nodes look the picture up through the map: movies play, and what moves is followed"),
+            (
+                "MAP",
+                "Through the map",
+                "Nodes look the picture up through the map: movies play, and what moves is followed",
+            ),
             ("BAKED", "A baked picture", "The compensated picture itself, filtered and with what the display can show"),
         ],
     )
     optimal: BoolProperty(
-        name="Best picture", description="Bake the display picture whose view is nearest to the picture, by least squares"
+        name="Best picture",
+        description="Bake the display picture whose view is nearest to the picture, by least squares",
     )
     live: BoolProperty(name="Live", description="Compensate again while things move", update=_live_changed)
     show_rays: BoolProperty(name="Rays", description="Draw light's ways from the viewpoint to the display")

@@ -75,7 +75,9 @@ class MIDAIR_OT_set_up_render(bpy.types.Operator):
     bl_label = "Set Up the Render"
     bl_options = {"REGISTER", "UNDO"}
 
-    width: bpy.props.IntProperty(name="Width", default=512, min=4, max=16384, description="The picture's pixels across the image")
+    width: bpy.props.IntProperty(
+        name="Width", default=512, min=4, max=16384, description="The picture's pixels across the image"
+    )
     samples: bpy.props.IntProperty(name="Samples", default=64, min=1, max=65536)
 
     @classmethod

@@ -119,9 +119,7 @@ def _bring_up_to_date(context, root):
 def _need_all(root):
     for role in ("VIEWPOINT", "IMAGE", "PLATE", "DISPLAY"):
         if properties.part(root, role) is None:
-            raise Trouble(
-                f"{root.name}: the {role.lower()} has been removed: undo that, or read the scene file again"
-            )
+            raise Trouble(f"{root.name}: the {role.lower()} has been removed: undo that, or read the scene file again")
 
 
 def _replace(kept, text):
@@ -150,9 +148,7 @@ def _with_copies(text, root):
         if index in seen or index >= count:
             own = building.block(thing)
             position, rotation = frames.pose(thing, root)
-            text = blocks.appended(
-                text, {"name": thing.name, **own, "position": position, "rotation": rotation}
-            )
+            text = blocks.appended(text, {"name": thing.name, **own, "position": position, "rotation": rotation})
             thing.midair.index = count
             if thing.data.users > 1:
                 thing.data = thing.data.copy()

@@ -186,7 +186,9 @@ class Compensate(unittest.TestCase):
         camera = bpy.data.objects.new("aside", bpy.data.cameras.new("aside"))
         bpy.context.collection.objects.link(camera)
         # From the right, all of it in the picture; the viewpoint's camera stays the active one.
-        camera.matrix_world = Matrix.Translation((2.0, -0.3, 0.0)) @ Euler((math.pi / 2, 0.0, math.pi / 2)).to_matrix().to_4x4()
+        camera.matrix_world = (
+            Matrix.Translation((2.0, -0.3, 0.0)) @ Euler((math.pi / 2, 0.0, math.pi / 2)).to_matrix().to_4x4()
+        )
         bpy.context.view_layer.update()
         size = (400, 200)
         view = camera.matrix_world.inverted()

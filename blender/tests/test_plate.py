@@ -159,9 +159,7 @@ class Plate(unittest.TestCase):
                 first, second = odd_shares(d)
                 kinds = [(True, True), (True, False), (False, True)]
                 shares = stand.shares(d, [turned(d, odd) for odd in kinds]) / faces(d)
-                expected = [
-                    (first if a else 1 - first) * (second if b else 1 - second) for a, b in kinds
-                ]
+                expected = [(first if a else 1 - first) * (second if b else 1 - second) for a, b in kinds]
                 # 32 x 32 x 32 draws: a standard error below sqrt(0.25 / 32768) = 0.003.
                 np.testing.assert_allclose(shares, expected, atol=0.02)
                 compared += 3

@@ -12,7 +12,10 @@ SOLIDS = [
     ({"kind": "ellipsoid", "radii": [30.0, 20.0, 8.0]}, 4 / 3 * math.pi * 30 * 20 * 8),
     ({"kind": "box", "size": [50.0, 40.0, 30.0]}, 50 * 40 * 30),
     ({"kind": "cylinder", "radius": 36.0, "height": 100.0}, math.pi * 36**2 * 100),
-    ({"kind": "cone", "radius": 25.0, "top_radius": 15.0, "height": 50.0}, math.pi * 50 / 3 * (25**2 + 25 * 15 + 15**2)),
+    (
+        {"kind": "cone", "radius": 25.0, "top_radius": 15.0, "height": 50.0},
+        math.pi * 50 / 3 * (25**2 + 25 * 15 + 15**2),
+    ),
     ({"kind": "cone", "radius": 25.0, "height": 50.0}, math.pi * 50 / 3 * 25**2),
 ]
 

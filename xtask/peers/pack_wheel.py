@@ -32,7 +32,9 @@ def main(package, version, folder):
     platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
     tag = f"cp310-abi3-{platform}"
     info = f"{package.name}-{version}.dist-info"
-    files = {f"{package.name}/{path.name}": content(path, folder) for path in sorted(package.iterdir()) if path.is_file()}
+    files = {
+        f"{package.name}/{path.name}": content(path, folder) for path in sorted(package.iterdir()) if path.is_file()
+    }
     files[f"{info}/METADATA"] = f"Metadata-Version: 2.1\nName: {package.name}\nVersion: {version}\n".encode()
     files[f"{info}/WHEEL"] = f"Wheel-Version: 1.0\nGenerator: xtask\nRoot-Is-Purelib: false\nTag: {tag}\n".encode()
     record = "".join(f"{name},sha256={digest(data)},{len(data)}\n" for name, data in files.items())
