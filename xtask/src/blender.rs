@@ -119,7 +119,8 @@ fn newest_wheel() -> Result<PathBuf> {
     }
     process::run(&mut process::cargo(&["xtask", "wheel"]))
         .context("there is no wheel of midair's Python package")?;
-    newest(&folder)?.with_context(|| format!("`cargo xtask wheel` left none in {}", folder.display()))
+    newest(&folder)?
+        .with_context(|| format!("`cargo xtask wheel` left none in {}", folder.display()))
 }
 
 fn newest(folder: &Path) -> Result<Option<PathBuf>> {
