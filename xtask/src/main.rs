@@ -5,12 +5,14 @@
 //! cargo xtask bench [--quick]        the table of times and memory, as Markdown
 //! cargo xtask campaign [--count N]   the maps of random set-ups, judged by brute force
 //! cargo xtask fuzz [--seconds N]     what reads files, under a fuzzer that follows coverage
+//! cargo xtask blender                Blender's extension as a .zip, with midair's wheel in it
 //! cargo xtask pictures               remake the pictures of the README and the book
 //! cargo xtask reference              bring the book's tables of keys and commands up to date
 //! cargo xtask wheel                  the Python package's wheel
 //! ```
 
 mod bench;
+mod blender;
 mod book;
 mod campaign;
 #[cfg(test)]
@@ -46,6 +48,8 @@ enum Task {
     Campaign(campaign::Options),
     /// Run what reads people's files under a fuzzer that follows coverage.
     Fuzz(fuzz::Options),
+    /// Build Blender's extension: an installable .zip with midair's wheel in it.
+    Blender(blender::Options),
     /// Remake the pictures of the README and the book.
     Pictures,
     /// Bring the book's tables of keys and commands up to date.
@@ -66,6 +70,7 @@ fn main() -> ExitCode {
         Task::Bench(options) => bench::run(&options).map(|()| true),
         Task::Campaign(options) => campaign::run(&options),
         Task::Fuzz(options) => fuzz::run(&options),
+        Task::Blender(options) => blender::run(&options),
         Task::Pictures => pictures::run().map(|()| true),
         Task::Reference => reference::write().map(|()| true),
         Task::Wheel => python::wheel().map(|()| true),

@@ -1,6 +1,6 @@
 //! `cargo xtask test`: everything that must hold before a change is merged.
 
-use crate::{book, fuzz, process, python, setup, wasm};
+use crate::{blender, book, fuzz, process, python, setup, wasm};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use midair_peers::Peer;
@@ -38,6 +38,8 @@ enum Step {
     Python,
     /// The library does the same in WebAssembly as here.
     Wasm,
+    /// Blender's extension, installed and used.
+    Blender,
     /// What reads files is fuzzed for some tens of seconds; only where it is named.
     Fuzz,
 }
@@ -130,6 +132,7 @@ impl Step {
             }
             Self::Python => python::test(),
             Self::Wasm => wasm::run(),
+            Self::Blender => blender::test(optional),
             Self::Fuzz => fuzz::test(),
         }
     }
