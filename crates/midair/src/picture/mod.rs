@@ -14,6 +14,7 @@
 mod brightness;
 pub mod colour;
 mod curve;
+mod fit;
 mod interpolate;
 mod jpeg;
 mod linear;
@@ -33,6 +34,7 @@ pub use crate::map::format::FileError;
 pub use crate::optics::srgb;
 pub use brightness::{Evened, Evening, Overflow, even_out};
 pub use curve::Curve;
+pub use fit::{Crop, Fit};
 pub use linear::Picture;
 pub use over_black::OverBlack;
 pub use resample::{display_image, display_image_by_colour};

@@ -2,7 +2,7 @@
 
 use super::error::{SceneError, SceneText};
 use super::grammar::{Block, Key, Kind, Need};
-use super::tree::{Entry, Node, Value, millimetres, split_unit};
+use super::tree::{Entry, Node, Value, millimetres, split_unit, with_unit};
 use crate::optics::glass;
 use std::ops::Range;
 
@@ -123,6 +123,12 @@ impl Conformance<'_> {
             (&Kind::Rows(least, most), Value::List(rows)) => {
                 self.rows(key, node, rows, least, most);
             }
+            (&Kind::List(least, most), Value::List(list)) => {
+                list.iter().for_each(|item| self.number(key, item, least, most));
+            }
+            (&Kind::Points(count, least, most), Value::List(list)) => {
+                self.points(key, node, list, count, [least, most]);
+            }
             (&Kind::Choice(choices), Value::Text(text)) => {
                 if !choices.contains(&text.as_str()) {
                     self.fault(
@@ -242,10 +248,41 @@ impl Conformance<'_> {
         }
     }
 
+    fn points(&mut self, key: &Key, node: &Node, list: &[Node], count: usize, bounds: [f64; 2]) {
+        for point in list {
+            match &point.value {
+                Value::List(pair) if pair.len() == 2 => {
+                    pair.iter().for_each(|item| self.number(key, item, bounds[0], bounds[1]));
+                }
+                _ => {
+                    let message = format!("a point of `{}` is not two numbers", key.name);
+                    self.fault(&point.span, message, format!("write {}", example(key)));
+                    return;
+                }
+            }
+        }
+        if list.len() < count {
+            let message = format!("`{}` has too few points: {}", key.name, list.len());
+            self.fault(
+                &node.span,
+                message,
+                format!("give at least {count}: {}", in_sentence(key.about)),
+            );
+        } else if list.len() > MOST_POINTS {
+            let message = format!("`{}` has too many points: {}", key.name, list.len());
+            let help = format!("give at most {MOST_POINTS}; smooth = true needs few");
+            self.fault(&node.span, message, help);
+        }
+    }
+
     fn number(&mut self, key: &Key, node: &Node, least: f64, most: f64) {
-        let value = match node.value {
-            Value::Integer(i) => i as f64,
-            Value::Number(n) => n,
+        let value = match &node.value {
+            Value::Integer(i) => *i as f64,
+            Value::Number(n) => *n,
+            Value::Text(text) => match with_unit(text, key.unit) {
+                Some(value) => value,
+                None => return self.wrong_number(key, node),
+            },
             _ => return self.wrong_number(key, node),
         };
         let what = key.name;
@@ -298,7 +335,11 @@ impl Conformance<'_> {
     /// An item of the key's list that is no number; of a key that is no list, the value itself.
     fn wrong_number(&mut self, key: &Key, node: &Node) {
         match key.kind {
-            Kind::Numbers(..) | Kind::Integers(..) | Kind::Rows(..) => {
+            Kind::Numbers(..)
+            | Kind::Integers(..)
+            | Kind::Rows(..)
+            | Kind::List(..)
+            | Kind::Points(..) => {
                 let found = node.value.describe();
                 self.wrong(key, node, format!("holds {found}: it needs {}", wanted(&key.kind)));
             }
@@ -315,6 +356,9 @@ impl Conformance<'_> {
         self.fault(&node.span, message, help);
     }
 }
+
+/// Points of a profile: beyond that a mesh is meant.
+const MOST_POINTS: usize = 500;
 
 /// What to write instead of a value that is nearly right: a name for a block, one number for several.
 fn instead(key: &Key, value: &Value) -> Option<String> {
@@ -376,7 +420,7 @@ fn for_one_number(key: &Key, number: f64) -> String {
 /// What to write instead of a number in quotes.
 fn number_in_text(key: &Key, text: &str) -> String {
     let rule = match key.unit {
-        Some("mm") => "lengths are plain numbers in millimetres".to_owned(),
+        Some("mm") => "lengths are numbers in millimetres, or texts such as \"5 cm\"".to_owned(),
         Some(unit) => format!("this is a plain number ({unit}), without quotes or unit"),
         None => "this is a plain number, without quotes or unit".to_owned(),
     };
@@ -403,6 +447,8 @@ fn numeric(kind: &Kind) -> bool {
             | Kind::Integers(..)
             | Kind::Colour(..)
             | Kind::Rows(..)
+            | Kind::List(..)
+            | Kind::Points(..)
     )
 }
 
@@ -417,6 +463,8 @@ fn wanted(kind: &Kind) -> String {
         Kind::Integers(len, ..) => format!("a list of {len} whole numbers"),
         Kind::Colour(..) => "a number or a list of 3".to_owned(),
         Kind::Rows(..) => "a list of rows of numbers".to_owned(),
+        Kind::List(..) => "a list of numbers".to_owned(),
+        Kind::Points(..) => "a list of points [.., ..]".to_owned(),
         Kind::Block(_) | Kind::Variants(_) => "a block of keys".to_owned(),
         Kind::Blocks(_) => "a list of blocks".to_owned(),
     }
@@ -442,6 +490,8 @@ fn example(key: &Key) -> String {
         Kind::Integers(len, ..) => format!("`{name} = [{}]`", vec!["1024"; *len].join(", ")),
         Kind::Colour(..) => format!("`{name} = 0.9` or `{name} = [0.9, 0.9, 0.9]`"),
         Kind::Rows(..) => format!("`{name} = [[0.0, 0.0], [0.0, 0.0]]`"),
+        Kind::List(..) => format!("`{name} = [1e-5]`"),
+        Kind::Points(..) => format!("`{name} = [[20.0, -40.0], [30.0, 0.0], [20.0, 40.0]]`"),
         Kind::Choice(choices) => format!("`{name} = \"{}\"`", choices.first().unwrap_or(&"")),
         Kind::Glass => format!("`{name} = \"N-BK7\"`"),
         Kind::Block(_) | Kind::Variants(_) => format!("a block `{name}`"),
@@ -471,7 +521,7 @@ fn suggestion<'a>(given: &str, known: impl Iterator<Item = &'a str> + Clone, all
 }
 
 /// Words that people use, and what they are called here: too far apart for a typing error.
-const WORDS: [(&str, &str); 30] = [
+const WORDS: [(&str, &str); 43] = [
     ("cube", "box"),
     ("cuboid", "box"),
     ("block", "box"),
@@ -481,6 +531,19 @@ const WORDS: [(&str, &str); 30] = [
     ("tube", "cylinder"),
     ("frustum", "cone"),
     ("egg", "ellipsoid"),
+    ("bottle", "lathe"),
+    ("vase", "lathe"),
+    ("bowl", "lathe"),
+    ("glass", "lathe"),
+    ("revolution", "lathe"),
+    ("turned", "lathe"),
+    ("dome", "hemisphere"),
+    ("ring", "torus"),
+    ("donut", "torus"),
+    ("wedge", "prism"),
+    ("extrusion", "prism"),
+    ("hollow", "wall"),
+    ("liquid", "fill"),
     ("flat", "plane"),
     ("mirror", "plane"),
     ("model", "mesh"),

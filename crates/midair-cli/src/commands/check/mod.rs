@@ -57,7 +57,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         checked.lines += &stray.lines();
         checked.json["stray"] = stray.json();
         if let Some((mut output, name)) = stray_output {
-            output.write(&name, |path| write_still(path, &stray.picture(), Depth::Eight))?;
+            output.write(&name, |path| write_still(path, &stray.sheet(), Depth::Eight))?;
             files.extend(output.finish()?);
         }
     }

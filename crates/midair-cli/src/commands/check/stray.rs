@@ -4,10 +4,11 @@ use crate::failure::Failure;
 use crate::summary::percent;
 use midair::map::Map;
 use midair::optics::plate::SlitMirrorPlate;
-use midair::picture::Picture;
+use midair::picture::{Picture, srgb};
 use midair::scene::model::{PlateModel, SlitMirror};
 use midair::simulate::{BestPose, PoseLimits, Sights, StrayView, best_pose};
 use midair::transport::Setup;
+use midair_report::drawing::stray_picture;
 use serde_json::{Value, json};
 
 /// Views of stray light show this much more than the image, along each side.
@@ -29,6 +30,9 @@ const KINDS: [&str; 3] = [
     "stray image turned by the second layer",
     "the display seen through the plate",
 ];
+
+/// What they are drawn in, linear light.
+const COLOURS: [[f32; 3]; 3] = [[1.0, 0.45, 0.1], [0.15, 0.4, 1.0], [0.2, 0.8, 0.3]];
 
 /// Where stray light falls.
 pub struct Stray {
@@ -164,6 +168,23 @@ impl Stray {
         })
     }
 
+    /// [`Self::picture`] with what its colours mean.
+    pub fn sheet(&self) -> Picture {
+        let colours = [[255, 255, 255]].into_iter().chain(COLOURS.map(|c| c.map(srgb::encode_8)));
+        let names = std::iter::once("the image").chain(KINDS).enumerate();
+        let told = |(i, name): (usize, &str)| match i {
+            0 => "the image, in the middle".to_owned(),
+            _ if self.wide.brightness(i - 1) > 0.0 => {
+                format!("{name}: up to {} as bright", percent(self.wide.brightness(i - 1)))
+            }
+            _ => format!("{name}: none"),
+        };
+        let legend: Vec<_> = colours.zip(names.map(told)).collect();
+        let plate = if self.assumed { " of the usual slit-mirror plate" } else { "" };
+        let title = format!("Stray light{plate}, four times as wide as the image");
+        stray_picture::draw(&title, &self.picture(), &legend)
+    }
+
     /// The image (white) with the two stray images (orange and blue) and what is seen through the plate (green), four times
     /// as wide as the image: luminances over the image's brightest.
     pub fn picture(&self) -> Picture {
@@ -178,11 +199,10 @@ impl Stray {
 
 fn drawn(view: &StrayView) -> Picture {
     let most = view.image.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    let colours = [[1.0, 0.45, 0.1], [0.15, 0.4, 1.0], [0.2, 0.8, 0.3]];
     let pixels = (0..view.image.len()).map(|pixel| {
         let mut rgb = [view.image[pixel] / most; 3];
-        for (kind, colour) in view.stray.iter().zip(colours) {
-            (0..3).for_each(|c| rgb[c] += colour[c] * kind[pixel] / most);
+        for (kind, colour) in view.stray.iter().zip(COLOURS) {
+            (0..3).for_each(|c| rgb[c] += f64::from(colour[c]) * kind[pixel] / most);
         }
         let [r, g, b] = rgb.map(|value| value.min(1.0) as f32);
         [r, g, b, 1.0]
