@@ -102,6 +102,7 @@ fn scene_tables(schema: &Value) -> String {
     block(&mut text, "`[[element]]`", element);
     let parts = &element["properties"];
     block(&mut text, "`material`", &parts["material"]);
+    block(&mut text, "`fill`", &parts["fill"]);
     for shape in parts["shape"]["oneOf"].as_array().into_iter().flatten() {
         let kind = shape["properties"]["kind"]["const"].as_str().unwrap_or_default();
         block(&mut text, &format!("`shape = {{ kind = \"{kind}\", ... }}`"), shape);
@@ -146,11 +147,17 @@ fn value(schema: &Value) -> String {
     if schema.get("oneOf").is_some() && schema.get("properties").is_none() {
         return "a block, see below".to_owned();
     }
-    match schema["type"].as_str().unwrap_or_default() {
+    // A number may be a text with its unit, as all of a kind: the page says so once.
+    match schema["type"][0].as_str().or(schema["type"].as_str()).unwrap_or_default() {
         "object" => "a block, see below".to_owned(),
         "array" => match (&schema["items"]["type"], schema["maxItems"].as_u64()) {
             (Value::String(kind), _) if kind == "object" => "blocks, see below".to_owned(),
-            (Value::String(kind), _) if kind == "array" => "rows of numbers".to_owned(),
+            (Value::String(kind), _) if kind == "array" => {
+                match schema["items"]["maxItems"].as_u64() {
+                    Some(2) => "points".to_owned(),
+                    _ => "rows of numbers".to_owned(),
+                }
+            }
             (_, Some(count)) => format!("{count} × {}", value(&schema["items"])),
             _ => "a list".to_owned(),
         },

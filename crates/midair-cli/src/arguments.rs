@@ -6,8 +6,9 @@ use clap::ValueEnum;
 use clap::builder::PossibleValuesParser;
 use clap::builder::TypedValueParser as _;
 use midair::map::format::{FileError, Format, LoadedMap, MAX_PIXELS, Reading, decode_map};
-use midair::picture::{LONGEST, Overflow, Still, read_still};
+use midair::picture::{Fit, LONGEST, Overflow, Picture, Still, read_still};
 use midair::scene::{Loaded, load};
+use midair::transport::Setup;
 use std::path::Path;
 use std::str::FromStr;
 
@@ -29,6 +30,52 @@ impl GainMode {
             Self::Clip => Overflow::Clip,
             Self::Soft => Overflow::Soft,
         }
+    }
+}
+
+/// How a picture of other proportions fills the image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum FitMode {
+    /// All of it, squeezed or drawn out
+    #[default]
+    Stretch,
+    /// All of it in its proportions, black beside it
+    Contain,
+    /// In its proportions over all of the image, cut off where it sticks out
+    Cover,
+}
+
+impl FitMode {
+    pub fn fit(self) -> Fit {
+        match self {
+            Self::Stretch => Fit::Stretch,
+            Self::Contain => Fit::Contain,
+            Self::Cover => Fit::Cover,
+        }
+    }
+
+    /// The picture as the set-up's image is to show it.
+    pub fn apply(self, setup: &Setup, picture: &Picture) -> Picture {
+        let crop = self.fit().crop([picture.width, picture.height], setup.image.size);
+        crop.picture(picture)
+    }
+}
+
+/// Proportions, written `30:40`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Proportions(pub [f64; 2]);
+
+impl FromStr for Proportions {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || "give width : height, such as 30:40".to_owned();
+        let (width, height) = text.split_once(':').ok_or_else(wrong)?;
+        let side = |text: &str| {
+            let side = text.trim().parse::<f64>().ok().filter(|side| (1e-3..1e6).contains(side));
+            side.ok_or_else(wrong)
+        };
+        Ok(Self([side(width)?, side(height)?]))
     }
 }
 

@@ -9,6 +9,9 @@ impl Show {
     /// The lines of text over the picture; `renderer` names what makes it.
     pub fn lines(&self, renderer: &str, now: Duration) -> Vec<String> {
         let mut lines = Vec::new();
+        if self.is_dark() {
+            return lines;
+        }
         if self.help {
             lines.extend(KEYS.map(|[key, what]| format!("{key:<18}  {what}")));
         }

@@ -7,6 +7,7 @@
 #![deny(missing_docs)]
 
 mod arrangement;
+mod attendance;
 mod brightness;
 mod clock;
 mod command;
@@ -23,6 +24,7 @@ mod trial;
 mod viewer;
 
 pub use arrangement::{Nudge, Target};
+pub use attendance::Hours;
 pub use clock::{Clock, Pace};
 pub use command::{Command, KEYS, Wish};
 pub use newest::{Late, Newest};

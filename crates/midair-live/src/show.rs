@@ -2,6 +2,7 @@
 //! come with what happens.
 
 use crate::arrangement::{Arrangement, Target};
+use crate::attendance::Attendance;
 use crate::command::{Command, Wish};
 use crate::lit::Lit;
 use crate::solver::{COLOURS, Job, Request, Settled, Solved};
@@ -33,6 +34,8 @@ pub struct Settings {
     pub gain: Option<Overflow>,
     /// Whether figures are shown from the beginning.
     pub figures: bool,
+    /// With a tracker: so long after its last reading the display goes dark, until the next; `None`: never.
+    pub blank_after: Option<Duration>,
 }
 
 /// What is to be drawn.
@@ -86,6 +89,7 @@ pub struct Show {
     /// The codes for frames whose gain was divided out.
     evened: Option<Drive>,
     pub(crate) viewer: Viewer,
+    attendance: Attendance,
     reception: Option<Reception>,
     /// When the last pictures were presented.
     pub(crate) presented: VecDeque<Duration>,
@@ -118,6 +122,9 @@ impl Show {
         let loaded = Arc::new(loaded);
         Self {
             viewer: Viewer::new(settings.calibration, settings.smoothing),
+            attendance: Attendance::new(
+                settings.blank_after.filter(|_| settings.tracker.is_some()),
+            ),
             reception: settings.tracker.map(|(protocol, port)| Reception::new(protocol, port)),
             drive: Drive::of_screen(&loaded.screen, COLOURS),
             evened: settings
@@ -158,9 +165,20 @@ impl Show {
         &self.loaded
     }
 
-    /// Whether the source stands still.
+    /// Whether the source stands still: in a pause, and while the display is dark.
     pub fn paused(&self) -> bool {
-        self.paused
+        self.paused || self.attendance.is_dark()
+    }
+
+    /// Whether the display is dark for want of anybody to see it.
+    pub fn is_dark(&self) -> bool {
+        self.attendance.is_dark()
+    }
+
+    /// The hours of the show have begun, or ended: the display is dark without.
+    pub fn open(&mut self, open: bool, now: Duration) {
+        self.attendance.open(open);
+        self.stale |= self.attendance.tick(now);
     }
 
     /// Whether a map has come yet.
@@ -192,6 +210,11 @@ impl Show {
             reception.count(&heard, now);
         }
         let Heard::Reading(reading) = heard else { return };
+        // At its own place a tracker sees nobody.
+        if reading.position != Vec3::ZERO {
+            self.attendance.somebody(now);
+            self.stale |= self.attendance.tick(now);
+        }
         let ahead = self.settings.predict.or(self.delay).unwrap_or(0.0).min(0.1);
         let before = self.viewer.refusal().map(str::to_owned);
         if self.viewer.hear(&self.loaded, reading, now, ahead) {
@@ -373,6 +396,7 @@ impl Show {
         if let Some(complaint) = self.reception.as_mut().and_then(|r| r.complaint(now)) {
             self.say(complaint, now);
         }
+        self.stale |= self.attendance.tick(now);
         let over = |since: Option<Duration>, long: Duration| since.is_some_and(|s| now >= s + long);
         if over(self.message.as_ref().map(|(_, since)| *since), SEEN) {
             self.message = None;
@@ -392,7 +416,8 @@ impl Show {
         let awaited = self.awaited.map(|since| since + PATIENCE);
         let awaited = awaited.filter(|&then| then > now && !self.fits());
         let reception = self.reception.as_ref().and_then(Reception::complains_at);
-        [message, nudged, awaited, reception, self.viewer.lost_at()].into_iter().flatten().min()
+        let events = [message, nudged, awaited, reception, self.viewer.lost_at()];
+        events.into_iter().flatten().chain(self.attendance.next()).min()
     }
 
     /// What the solver is to do next; the newest job counts.
@@ -458,8 +483,9 @@ impl Show {
     pub fn picture(&mut self, now: Duration) -> Option<Picture<'_>> {
         let fits = self.fits();
         let map = self.map.as_ref().filter(|_| fits);
-        let Some(map) = map else {
-            let long = self.awaited.is_some_and(|since| now >= since + PATIENCE);
+        let dark = self.attendance.is_dark();
+        let Some(map) = map.filter(|_| !dark) else {
+            let long = dark || self.awaited.is_some_and(|since| now >= since + PATIENCE);
             let (light, number) = self.light.last();
             let (size, drive) = (self.size, &self.drive);
             return long.then_some(Picture {

@@ -3,8 +3,8 @@
 use crate::clock::{Clock, Pace};
 use crate::newest::Newest;
 use midair::measure::lattice::{LatticeStyle, draw_lattice};
-use midair::picture::{FileError, Picture, Sequence, read_still, srgb};
-use midair_video::{Decoder, VideoError, probe};
+use midair::picture::{FileError, Fit, Picture, Sequence, read_still, srgb};
+use midair_video::{Decoder, Sound, VideoError, probe};
 use std::io::Read as _;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -24,6 +24,15 @@ pub enum SourceKind {
     Lattice,
     /// Raw RGBA frames of so many pixels on standard input, each shown when it comes.
     Stdin([usize; 2]),
+    /// One after the other, over and over; what stands still so many seconds each.
+    List(Vec<SourceKind>, f64),
+}
+
+impl SourceKind {
+    /// Whether it stands still.
+    fn stands(&self) -> bool {
+        matches!(self, Self::Still(_) | Self::Lattice)
+    }
 }
 
 /// A frame of bytes blue, green, red and one unused, rows from the top.
@@ -46,6 +55,15 @@ impl Frame {
     fn of_rgb<const C: usize>(size: [usize; 2], bytes: &[u8]) -> Self {
         let swapped = bytes.as_chunks::<C>().0.iter().flat_map(|p| [p[2], p[1], p[0], 255]);
         Self { size, bytes: Arc::new(swapped.collect()) }
+    }
+
+    /// What is shown of it on an image of this width and height.
+    fn fitted(self, fit: Fit, image: [f64; 2]) -> Self {
+        let crop = fit.crop(self.size, image);
+        if crop.is_whole() {
+            return self;
+        }
+        Self { size: crop.to, bytes: Arc::new(crop.frame(&self.bytes, 4)) }
     }
 
     /// The lattice in the image's proportions.
@@ -82,6 +100,12 @@ pub struct Player {
     pub gone: Arc<AtomicBool>,
     /// The show's.
     pub clock: Clock,
+    /// Whether films are heard.
+    pub sound: bool,
+    /// How frames of other proportions fill the image.
+    pub fit: Fit,
+    /// The image's width and height, mm.
+    pub image: [f64; 2],
 }
 
 /// How soon a pause or the end of the show is seen to.
@@ -89,47 +113,68 @@ const NAP: Duration = Duration::from_millis(5);
 
 impl Player {
     fn show(&self, frame: Frame) -> bool {
-        self.frames.put(frame);
+        self.frames.put(frame.fitted(self.fit, self.image));
         (self.ready)();
         !self.gone.load(Ordering::Relaxed)
     }
 
-    /// Waits until a moment of the film; false at the end of the show.
-    fn wait(&self, pace: &mut Pace, at: f64) -> bool {
+    /// Waits until a moment of the film; false at the end of the show. `each` is told again and again whether the show stands still.
+    fn wait(
+        &self,
+        pace: &mut Pace,
+        at: f64,
+        mut each: impl FnMut(bool) -> Result<(), SourceError>,
+    ) -> Result<bool, SourceError> {
         while !self.gone.load(Ordering::Relaxed) {
-            let left = pace.left(self.clock.now(), self.paused.load(Ordering::Relaxed), at);
+            let paused = self.paused.load(Ordering::Relaxed);
+            each(paused)?;
+            let left = pace.left(self.clock.now(), paused, at);
             match left {
-                Some(Duration::ZERO) => return true,
+                Some(Duration::ZERO) => return Ok(true),
                 left => std::thread::sleep(NAP.min(left.unwrap_or(NAP))),
             }
         }
-        false
+        Ok(false)
     }
 
     /// Plays a source to its end, which only standard input has.
     ///
     /// # Errors
     /// [`SourceError`] where frames cannot be had.
-    pub fn play(&self, kind: &SourceKind, image: [f64; 2]) -> Result<(), SourceError> {
+    pub fn play(&self, kind: &SourceKind) -> Result<(), SourceError> {
         match kind {
-            SourceKind::Still(path) => {
-                self.show(Frame::of_picture(&read_still(path)?.picture));
-                Ok(())
-            }
-            SourceKind::Lattice => {
-                self.show(Frame::lattice(image));
-                Ok(())
-            }
-            SourceKind::Stills(sequence, rate) => {
-                let numbers = sequence.numbers()?;
-                let mut pace = Pace::start(self.clock.now());
-                for (i, number) in numbers.iter().cycle().enumerate() {
-                    let frame = Frame::of_picture(&read_still(&sequence.file(*number))?.picture);
-                    if !self.wait(&mut pace, i as f64 / rate) || !self.show(frame) {
-                        break;
+            SourceKind::List(kinds, seconds) => loop {
+                for kind in kinds {
+                    if !self.once(kind)? || kind.stands() && !self.hold(*seconds)? {
+                        return Ok(());
                     }
                 }
+            },
+            kind if kind.stands() || matches!(kind, SourceKind::Stdin(_)) => {
+                self.once(kind).map(drop)
+            }
+            kind => {
+                while self.once(kind)? {}
                 Ok(())
+            }
+        }
+    }
+
+    /// Plays a source once; false at the end of the show.
+    fn once(&self, kind: &SourceKind) -> Result<bool, SourceError> {
+        match kind {
+            SourceKind::Still(path) => Ok(self.show(Frame::of_picture(&read_still(path)?.picture))),
+            SourceKind::Lattice => Ok(self.show(Frame::lattice(self.image))),
+            SourceKind::Stills(sequence, rate) => {
+                let mut pace = Pace::start(self.clock.now());
+                for (i, number) in sequence.numbers()?.iter().enumerate() {
+                    let frame = Frame::of_picture(&read_still(&sequence.file(*number))?.picture);
+                    if !self.wait(&mut pace, i as f64 / rate, |_| Ok(()))? || !self.show(frame) {
+                        return Ok(false);
+                    }
+                }
+                // The last one has its time as well.
+                self.hold(rate.recip())
             }
             SourceKind::Film(path) => self.play_film(path),
             SourceKind::Stdin(size) => {
@@ -138,41 +183,61 @@ impl Player {
                 loop {
                     match input.read_exact(&mut bytes) {
                         Ok(()) if self.show(Frame::of_rgb::<4>(*size, &bytes)) => {}
-                        Ok(()) => return Ok(()),
+                        Ok(()) => return Ok(false),
                         Err(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
-                            return Ok(());
+                            return Ok(true);
                         }
                         Err(error) => return Err(SourceError::Stdin(error)),
                     }
                 }
             }
+            SourceKind::List(kinds, _) => {
+                for kind in kinds {
+                    if !self.once(kind)? {
+                        return Ok(false);
+                    }
+                }
+                Ok(true)
+            }
         }
     }
 
-    fn play_film(&self, path: &std::path::Path) -> Result<(), SourceError> {
+    /// Lets what is shown stand for so many seconds; false at the end of the show.
+    fn hold(&self, seconds: f64) -> Result<bool, SourceError> {
+        self.wait(&mut Pace::start(self.clock.now()), seconds, |_| Ok(()))
+    }
+
+    fn play_film(&self, path: &std::path::Path) -> Result<bool, SourceError> {
         let film = probe(path)?;
-        loop {
-            let mut decoder = Decoder::new(&film, false)?;
-            let mut pace = Pace::start(self.clock.now());
-            let (mut bytes, mut count) = (Vec::new(), 0);
-            while let Some(timing) = decoder.next(&mut bytes)? {
-                count += 1;
-                let frame = Frame::of_rgb::<3>(decoder.size(), &bytes);
-                if !self.wait(&mut pace, timing.seconds()) || !self.show(frame) {
-                    return Ok(());
+        let sounds = self.sound && film.sounds > 0;
+        let mut decoder = Decoder::new(&film, false)?;
+        let mut pace = Pace::start(self.clock.now());
+        let (mut bytes, mut count) = (Vec::new(), 0);
+        // It is silent while the show stands still.
+        let mut sound: Option<Sound> = None;
+        while let Some(timing) = decoder.next(&mut bytes)? {
+            count += 1;
+            let frame = Frame::of_rgb::<3>(decoder.size(), &bytes);
+            let at = timing.seconds();
+            let due = self.wait(&mut pace, at, |paused| {
+                if paused || !sounds {
+                    sound = None;
+                } else if sound.is_none() {
+                    sound = Some(Sound::play(path, at)?);
                 }
-            }
-            let said = decoder.finish()?;
-            if count == 0 {
-                let said =
-                    said.into_iter().next().unwrap_or_else(|| "no frame can be decoded".to_owned());
-                return Err(VideoError::Refused {
-                    path: path.to_owned(),
-                    doing: "decode it",
-                    said,
-                }
-                .into());
+                Ok(())
+            })?;
+            if !due || !self.show(frame) {
+                return Ok(false);
             }
         }
+        let said = decoder.finish()?;
+        if count == 0 {
+            let said =
+                said.into_iter().next().unwrap_or_else(|| "no frame can be decoded".to_owned());
+            let refused = VideoError::Refused { path: path.to_owned(), doing: "decode it", said };
+            return Err(refused.into());
+        }
+        Ok(true)
     }
 }

@@ -163,6 +163,7 @@ fn settings(tracker: Option<(Protocol, u16)>) -> Settings {
         predict: Some(0.0),
         gain: None,
         figures: false,
+        blank_after: None,
     }
 }
 
@@ -358,4 +359,31 @@ fn the_keys_are_shown_and_the_source_as_it_is() {
     assert!(!stage.show.paused());
     stage.command(Command::Pause);
     assert!(stage.show.paused());
+}
+
+#[test]
+fn the_display_is_dark_while_nobody_is_there_and_out_of_hours() {
+    let blank_after = Some(Duration::from_secs(8));
+    let tracker = Some((Protocol::OpenTrack, 4242));
+    let mut stage = Stage::new(Settings { blank_after, ..settings(tracker) });
+    let home = stage.expected(HOME, CENTRE);
+    stage.wait(7.9);
+    stage.solve();
+    stage.expect("somebody has begun it", &home);
+    stage.wait(0.2);
+    assert!(stage.show.is_dark() && stage.show.paused());
+    assert!(stage.shown().iter().all(|&byte| byte == 0));
+    assert_eq!(stage.lines(), "");
+    // A tracker that sees nobody lights nothing up.
+    stage.hear(0.0, 0.0, 0.0);
+    assert!(stage.show.is_dark());
+    stage.hear(120.0, 40.0, 700.0);
+    let aside = stage.expected([120.0, 40.0, 700.0], CENTRE);
+    stage.expect("somebody has come", &aside);
+    assert!(!stage.show.paused());
+    stage.show.open(false, stage.time());
+    stage.hear(120.0, 40.0, 700.0);
+    assert!(stage.shown().iter().all(|&byte| byte == 0));
+    stage.show.open(true, stage.time());
+    stage.expect("the next day", &aside);
 }

@@ -1,7 +1,8 @@
 //! How the show is run, and why it may not be.
 
 use crate::screens::ScreenInfo;
-use midair_live::{Latency, Settings, SourceKind, Trial};
+use midair::picture::Fit;
+use midair_live::{Hours, Latency, Settings, SourceKind, Trial};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -10,10 +11,16 @@ use std::time::Duration;
 pub struct Options {
     /// What is shown.
     pub source: SourceKind,
+    /// How frames of other proportions fill the image.
+    pub fit: Fit,
     /// Pixels of the window; `None`: the display's.
     pub size: Option<[usize; 2]>,
     /// Whether the window fills its screen.
     pub fullscreen: bool,
+    /// Whether films are heard.
+    pub sound: bool,
+    /// The hours of the day in which there is a show; the display is dark without.
+    pub hours: Option<Hours>,
     /// Which screen, from 0; `None`: the system's choice.
     pub screen: Option<usize>,
     /// What makes the picture.

@@ -27,6 +27,8 @@ enum Event {
     Frame,
     Heard(Heard, Duration),
     SourceFailed(String),
+    /// The hours of the show have begun, or ended.
+    Open(bool),
     End,
 }
 
@@ -53,6 +55,7 @@ pub fn run(
     start(Arc::clone(&jobs), Arc::clone(&spent), move |what| found(Event::Found(what)));
     let (frames, paused, gone) =
         (Arc::new(Newest::new()), Arc::default(), Arc::new(AtomicBool::new(false)));
+    let gone_home = Arc::clone(&gone);
     let announce = tell();
     let player = Player {
         frames: Arc::clone(&frames),
@@ -60,13 +63,30 @@ pub fn run(
         ready: Box::new(move || announce(Event::Frame)),
         gone: Arc::clone(&gone),
         clock,
+        sound: options.sound,
+        fit: options.fit,
+        image: loaded.scene.image.size,
     };
-    let (kind, image, failed) = (options.source.clone(), loaded.scene.image.size, tell());
+    let (kind, failed) = (options.source.clone(), tell());
     std::thread::spawn(move || {
-        if let Err(error) = player.play(&kind, image) {
+        if let Err(error) = player.play(&kind) {
             failed(Event::SourceFailed(error.to_string()));
         }
     });
+    if let Some(hours) = options.hours {
+        let open = tell();
+        std::thread::spawn(move || {
+            let mut last = None;
+            while !gone_home.load(Ordering::Relaxed) {
+                let time = jiff::ZonedDateTime::now().time();
+                let now = hours.hold(60 * time.hour() as u16 + time.minute() as u16);
+                if last.replace(now) != Some(now) {
+                    open(Event::Open(now));
+                }
+                std::thread::sleep(Duration::from_secs(1));
+            }
+        });
+    }
     let mut port = None;
     let wanted = options.settings.tracker.or(options.trial.map(|_| (Protocol::OpenTrack, 0)));
     if let Some((protocol, wanted)) = wanted {
@@ -249,6 +269,7 @@ impl ApplicationHandler<Event> for Window<'_> {
                 }
             }
             Event::Heard(heard, time) => self.show.heard(heard, time),
+            Event::Open(open) => self.show.open(open, now),
             Event::SourceFailed(why) => self.fail(PlayError::Source(why), events),
             Event::End => events.exit(),
         }

@@ -27,8 +27,8 @@ fn pair(
     }
 }
 
-/// Table 1 for one surface: a row for each image, then means, wins, and the paper's means.
-pub fn quality_table(surface: &str, rows: &[Quality]) -> Table {
+/// Table 1 for one surface: a row for each image, then means, wins, and the paper's means if they are to stand beside.
+pub fn quality_table(surface: &str, rows: &[Quality], beside: bool) -> Table {
     let rows: Vec<&Quality> = rows.iter().filter(|row| row.surface == surface).collect();
     let measured = |row: &Quality| {
         MEASURES
@@ -54,12 +54,17 @@ pub fn quality_table(surface: &str, rows: &[Quality]) -> Table {
         let wins = |who: Winner| {
             rows.iter().filter(|row| winner(of(&row.with), of(&row.without), *more) == who).count()
         };
-        let counts = [Winner::With, Winner::Without]
-            .map(|who| Cell::text(format!("{} of {}", wins(who), rows.len())));
+        // Where it was not computed nothing was better.
+        let known = rows.iter().filter(|row| of(&row.with).is_some() && of(&row.without).is_some());
+        let known = known.count();
+        let counts = [Winner::With, Winner::Without].map(|who| match known {
+            0 => Cell::number(None, 0),
+            _ => Cell::text(format!("{} of {known}", wins(who))),
+        });
         counts.into_iter().chain([Cell::text("")])
     });
     foot.push(line("Better on".to_owned(), wins.collect()));
-    if let Some(paper) = published(&PUBLISHED_QUALITY, surface) {
+    if let Some(paper) = published(&PUBLISHED_QUALITY, surface).filter(|_| beside) {
         let cells = MEASURES.iter().flat_map(|(_, of, more)| {
             let cells = pair(of(&paper.with), of(&paper.without), *more, 3);
             cells.into_iter().chain([Cell::number(None, 3)])
@@ -103,8 +108,8 @@ pub fn shape_chart(shape: &Shape) -> LineChart {
     }
 }
 
-/// Figure 7's numbers: a row for each azimuth, calculated and measured, then means and the paper's.
-pub fn shape_table(shape: &Shape) -> Table {
+/// Figure 7's numbers: a row for each azimuth, calculated and measured, then means and, if it is to stand beside, the paper's.
+pub fn shape_table(shape: &Shape, beside: bool) -> Table {
     let cells = |values: Displacements| {
         let values = values.all();
         let least = values.iter().flatten().copied().fold(f64::INFINITY, f64::min);
@@ -121,7 +126,7 @@ pub fn shape_table(shape: &Shape) -> Table {
         };
     let (measured, _, there) = shape.measured_mean();
     let mut foot = vec![row("Mean".to_owned(), shape.mean(), measured, there)];
-    if let Some(paper) = published(&PUBLISHED_DISPLACEMENT, &shape.surface) {
+    if let Some(paper) = published(&PUBLISHED_DISPLACEMENT, &shape.surface).filter(|_| beside) {
         let values =
             Displacements { with: Some(paper.with), kept: None, without: Some(paper.without) };
         let none = Displacements::default();
@@ -240,12 +245,19 @@ pub fn paper_page(evaluation: &Evaluation, strips: &[Figure], colophon: &str) ->
         })
         .collect();
     let charts = (!charts.is_empty()).then_some(Block::Figures(charts));
-    let tables = evaluation.shapes.iter().map(|shape| Block::Table(shape_table(shape)));
+    let tables = evaluation
+        .shapes
+        .iter()
+        .map(|shape| Block::Table(shape_table(shape, evaluation.published)));
     section("Shape: the lattice over azimuth", charts.into_iter().chain(tables).collect());
     let tables = surfaces(&evaluation.quality).into_iter();
     section(
         "Likeness of the views",
-        tables.map(|surface| Block::Table(quality_table(surface, &evaluation.quality))).collect(),
+        tables
+            .map(|surface| {
+                Block::Table(quality_table(surface, &evaluation.quality, evaluation.published))
+            })
+            .collect(),
     );
     // Strips are wide: one to a row.
     let strips = strips.iter().map(|figure| Block::Figures(vec![figure.clone()]));
@@ -257,14 +269,16 @@ pub fn paper_page(evaluation: &Evaluation, strips: &[Figure], colophon: &str) ->
     section("Assumptions", notes(&evaluation.assumptions));
     section("Where this differs from the paper", notes(&evaluation.differences));
     section("Not measured", notes(&evaluation.notes));
-    Page {
-        title: "The paper’s evaluation, simulated".to_owned(),
-        lead: "What the viewer sees with and without compensation, beside the paper’s figures."
-            .to_owned(),
-        summary,
-        sections,
-        colophon: colophon.to_owned(),
-    }
+    let (title, lead) = if evaluation.published {
+        (
+            "The paper’s evaluation, simulated".to_owned(),
+            "What the viewer sees with and without compensation, beside the paper’s figures.",
+        )
+    } else {
+        let names = evaluation.shapes.first().map_or("a set-up", |shape| &shape.surface);
+        (format!("Evaluation: {names}"), "What the viewer sees with and without compensation.")
+    };
+    Page { title, lead: lead.to_owned(), summary, sections, colophon: colophon.to_owned() }
 }
 
 #[cfg(test)]
@@ -296,7 +310,7 @@ mod tests {
 
     #[test]
     fn the_table_has_means_wins_and_the_papers_figures() {
-        let table = quality_table("cylinder", &rows());
+        let table = quality_table("cylinder", &rows(), true);
         let width: usize = table.head[0].iter().map(|(_, span)| span).sum();
         assert!(table.rows.iter().chain(&table.foot).all(|row| row.len() == width));
         assert_eq!(table.head[1].len(), width);
@@ -319,7 +333,8 @@ mod tests {
             ["Better on", "2 of 2", "0 of 2", "", "1 of 2", "1 of 2", "", "1 of 2", "1 of 2", ""];
         assert_eq!(texts(&table.foot[1]), wins);
         assert_eq!(texts(&table.foot[2])[1..5], ["*0.156", "0.126", "–", "*0.550"]);
-        let mirror = quality_table("bent mirror", &rows());
+        let mirror = quality_table("bent mirror", &rows(), true);
+        assert_eq!(texts(&mirror.foot[1])[4..6], ["–", "–"]);
         assert_eq!(texts(&mirror.rows[0])[4..], ["–", "–", "–", "0.900", "0.900", "0.950"]);
     }
 
@@ -352,7 +367,7 @@ mod tests {
         };
         let chart = shape_chart(&shape);
         assert_eq!(chart.series[0].points[1], [0.0, 3.0]);
-        let table = shape_table(&shape);
+        let table = shape_table(&shape, true);
         assert!(table.caption.contains("2 azimuths, the same 40 of 49 intersections"));
         assert!(table.caption.contains("1 of 2 azimuths, the same 30 intersections"));
         assert_eq!(
@@ -382,6 +397,7 @@ mod tests {
     #[test]
     fn the_page_shows_every_surface() {
         let evaluation = Evaluation {
+            published: true,
             quality: rows(),
             shapes: vec![Shape {
                 surface: "cube".to_owned(),
@@ -396,5 +412,11 @@ mod tests {
         assert_eq!(labels, ["cube: displacement", "cylinder: SSIM", "bent mirror: SSIM"]);
         let html = page.to_html();
         assert!(html.contains("camera at 3.3 m") && html.contains("78.87"));
+        // Of one's own set-up, whatever it is called, the paper says nothing.
+        let own = Evaluation { published: false, ..evaluation };
+        let html = paper_page(&own, &[], "").to_html();
+        assert!(
+            html.contains("Evaluation: cube") && !html.contains("78.87") && !html.contains("paper")
+        );
     }
 }

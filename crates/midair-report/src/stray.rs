@@ -1,9 +1,13 @@
 //! Stray light over the image: in words, and as pictures.
 
+use crate::drawing::stray_picture;
 use crate::percent;
 use midair::evaluate::stray::{KINDS, Stray};
-use midair::picture::Picture;
+use midair::picture::{Picture, srgb};
 use midair::simulate::StrayView;
+
+/// What the kinds are drawn in, linear light.
+const COLOURS: [[f32; 3]; 3] = [[1.0, 0.45, 0.1], [0.15, 0.4, 1.0], [0.2, 0.8, 0.3]];
 
 /// How much there is, in one line: for summaries of other things.
 pub fn line(stray: &Stray) -> String {
@@ -65,15 +69,31 @@ pub fn lines(stray: &Stray) -> String {
     lines
 }
 
+/// The [`picture`] of four times the image's width and height, with what its colours mean.
+pub fn sheet(stray: &Stray) -> Picture {
+    let colours = [[255, 255, 255]].into_iter().chain(COLOURS.map(|c| c.map(srgb::encode_8)));
+    let names = std::iter::once("the image").chain(KINDS).enumerate();
+    let told = |(i, name): (usize, &str)| match i {
+        0 => "the image, in the middle".to_owned(),
+        _ if stray.wide.brightness(i - 1) > 0.0 => {
+            format!("{name}: up to {} as bright", percent(stray.wide.brightness(i - 1)))
+        }
+        _ => format!("{name}: none"),
+    };
+    let legend: Vec<_> = colours.zip(names.map(told)).collect();
+    let plate = if stray.assumed { " of the usual slit-mirror plate" } else { "" };
+    let title = format!("Stray light{plate}, four times as wide as the image");
+    stray_picture::draw(&title, &picture(&stray.wide), &legend)
+}
+
 /// The image (white) with the two stray images (orange and blue) and what is seen through the plate (green): luminances over the image's
 /// brightest.
 pub fn picture(view: &StrayView) -> Picture {
     let most = view.image.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    let colours = [[1.0, 0.45, 0.1], [0.15, 0.4, 1.0], [0.2, 0.8, 0.3]];
     let pixels = (0..view.image.len()).map(|pixel| {
         let mut rgb = [view.image[pixel] / most; 3];
-        for (kind, colour) in view.stray.iter().zip(colours) {
-            (0..3).for_each(|c| rgb[c] += colour[c] * kind[pixel] / most);
+        for (kind, colour) in view.stray.iter().zip(COLOURS) {
+            (0..3).for_each(|c| rgb[c] += f64::from(colour[c]) * kind[pixel] / most);
         }
         let [r, g, b] = rgb.map(|value| value.min(1.0) as f32);
         [r, g, b, 1.0]

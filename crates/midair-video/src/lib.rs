@@ -9,6 +9,7 @@ mod join;
 mod matroska;
 mod options;
 mod probe;
+mod sound;
 mod tool;
 
 pub use decode::{Decoder, Timing};
@@ -16,6 +17,7 @@ pub use encode::{Encoder, Recipe};
 pub use join::{Extras, Joining, Part, is_avi, join};
 pub use options::{Coded, coded};
 pub use probe::{Film, probe};
+pub use sound::Sound;
 pub use tool::VideoError;
 
 use midair::picture::Curve;

@@ -60,7 +60,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         checked.json["stray"] = json!(stray);
         if let Some((mut output, name)) = stray_output {
             output.write(&name, |path| {
-                write_still(path, &stray_light::picture(&stray.wide), Depth::Eight)
+                write_still(path, &stray_light::sheet(&stray), Depth::Eight)
             })?;
             files.extend(output.finish()?);
         }

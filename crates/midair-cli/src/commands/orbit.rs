@@ -139,13 +139,14 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
         "{}: mean displacement of the lattice, mm on the image's plane\n azimuth   fixed  tracked\n",
         loaded.scene.name
     );
+    // Where nothing is formed there is nothing to be displaced.
+    let shown = |seen: &Seen| match seen.exact.mean * millimetres {
+        mean if mean.is_finite() => format!("{mean:.3}"),
+        _ => "none".to_owned(),
+    };
     for station in &stations {
-        lines += &format!(
-            "{:7.1}° {:7.3} {:8.3}\n",
-            station.azimuth,
-            station.fixed.exact.mean * millimetres,
-            station.tracked.exact.mean * millimetres
-        );
+        let (fixed, tracked) = (shown(&station.fixed), shown(&station.tracked));
+        lines += &format!("{:7.1}° {fixed:>7} {tracked:>8}\n", station.azimuth);
     }
     lines += &wrote(&files);
     report["files"] = paths(&files);

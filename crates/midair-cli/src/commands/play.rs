@@ -1,12 +1,12 @@
 //! `midair play`: the live show.
 
-use crate::arguments::{GainMode, Point, Size, open_scene};
+use crate::arguments::{FitMode, GainMode, Point, Size, open_scene};
 use crate::failure::Failure;
 use crate::summary::{Voice, paths};
 use midair::geometry::Vec3;
 use midair::picture::{Sequence, is_picture_name};
 use midair::scene::Loaded;
-use midair_live::{Calibration, Latency, OneEuro, Protocol, Settings, SourceKind, Trial};
+use midair_live::{Calibration, Hours, Latency, OneEuro, Protocol, Settings, SourceKind, Trial};
 use midair_play::{Options, Outcome, PlayError, Renderer, run as show, screens};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -25,20 +25,37 @@ use std::time::Duration;
     midair play scene.toml photo.jpg --track osc:9000 --tracker-position 0,300,100 --tracker-rotation 0,180,0\n  \
     other-program | midair play scene.toml - --source-size 1280x720\n  \
     midair play scene.toml film.mp4 --gain soft\n  \
+    midair play scene.toml one.mp4 two.mp4 logo.png --fit contain --sound --hours 09:00-18:00 --fullscreen\n  \
     midair play scene.toml --bench --size 1920x1080")]
 pub struct Arguments {
     /// Scene file (TOML or JSON)
     #[arg(required_unless_present = "list_displays")]
     scene: Option<PathBuf>,
-    /// A picture, a film, numbered pictures (frames/%04d.png), `lattice`, or - for raw RGBA frames on standard input
-    #[arg(default_value = "lattice")]
-    source: String,
+    /// A picture, a film, numbered pictures (frames/%04d.png), `lattice`, or - for raw RGBA frames on standard input; several are shown one after the
+    /// other, over and over
+    #[arg(default_value = "lattice", num_args = 1.., value_name = "SOURCE")]
+    sources: Vec<String>,
+    /// Of several sources: how long a picture stands
+    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = crate::arguments::positive)]
+    each: f64,
+    /// Play the sound of films, by ffplay; it follows the pictures to a few tenths of a second
+    #[arg(long)]
+    sound: bool,
+    /// Hours of the day in which there is a show, local time; the display is dark otherwise
+    #[arg(long, value_name = "HH:MM-HH:MM")]
+    hours: Option<Hours>,
+    /// With --track: go dark when the tracker has seen nobody for so long, until it sees somebody
+    #[arg(long, value_name = "SECONDS", requires = "track", value_parser = crate::arguments::positive)]
+    blank_after: Option<f64>,
     /// Pixels of a frame on standard input
-    #[arg(long, value_name = "WxH", required_if_eq("source", "-"))]
+    #[arg(long, value_name = "WxH", required_if_eq("sources", "-"))]
     source_size: Option<Size>,
     /// Numbered pictures a second
     #[arg(long, value_name = "R", default_value = "25", value_parser = crate::arguments::positive)]
     rate: f64,
+    /// How a source of other proportions fills the image
+    #[arg(long, value_enum, default_value_t)]
+    fit: FitMode,
     /// The screen, counted from 0 as --list-displays lists them
     #[arg(long, value_name = "N")]
     display: Option<usize>,
@@ -130,9 +147,24 @@ const BENCH: Trial = Trial { packets: 300, rate: 60.0 };
 pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let Some(scene) = &arguments.scene else { return list_displays(voice) };
     let loaded = open_scene(scene, arguments.size)?;
-    let source = source(arguments)?;
+    let source = match arguments.sources.as_slice() {
+        [one] => source(one, arguments)?,
+        several => {
+            if several.iter().any(|source| source == "-") {
+                return Err(Failure::new(
+                    "standard input has no place in a list: it is shown as it comes",
+                    "give - alone, or leave it out",
+                ));
+            }
+            let kinds = several.iter().map(|one| source(one, arguments));
+            SourceKind::List(kinds.collect::<Result<_, _>>()?, arguments.each)
+        }
+    };
     let options = Options {
         source,
+        fit: arguments.fit.fit(),
+        sound: arguments.sound,
+        hours: arguments.hours,
         size: arguments.size.map(|Size(size)| size),
         fullscreen: arguments.fullscreen,
         screen: arguments.display,
@@ -144,6 +176,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
             predict: arguments.predict.map(|ms| f64::from(ms) / 1e3),
             gain: arguments.gain.map(GainMode::overflow),
             figures: arguments.overlay,
+            blank_after: arguments.blank_after.map(Duration::from_secs_f64),
         },
         save_to: arguments.save.clone().unwrap_or_else(|| nudged(scene)),
         end_after: arguments.seconds.map(Duration::from_secs_f64),
@@ -214,9 +247,9 @@ fn list_displays(voice: Voice) -> Result<(), Failure> {
     voice.tell(&lines, &json!({ "displays": report }))
 }
 
-fn source(arguments: &Arguments) -> Result<SourceKind, Failure> {
-    let path = Path::new(&arguments.source);
-    Ok(match (&arguments.source[..], arguments.source_size) {
+fn source(name: &str, arguments: &Arguments) -> Result<SourceKind, Failure> {
+    let path = Path::new(name);
+    Ok(match (name, arguments.source_size) {
         ("-", Some(Size(size))) => SourceKind::Stdin(size),
         ("lattice", _) if !path.exists() => SourceKind::Lattice,
         _ => {

@@ -1,7 +1,7 @@
 //! `midair report`: the proof that a scene is compensated, as figures and as a page.
 
-use super::compensate::{stretch_note, write_display, write_maps, write_report};
-use crate::arguments::{Size, check_view, open_picture, open_scene};
+use super::compensate::{fit_note, write_display, write_maps, write_report};
+use crate::arguments::{FitMode, Size, check_view, open_picture, open_scene};
 use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::summary::{Voice, paths, timings, wrote};
@@ -38,6 +38,9 @@ pub struct Arguments {
     /// The display's resolution instead of the scene's; views are as wide
     #[arg(long, value_name = "WxH")]
     size: Option<Size>,
+    /// How a picture of other proportions fills the image
+    #[arg(long, value_enum, default_value_t, requires = "image")]
+    fit: FitMode,
     /// Samples per pixel of the paper's own method, measured beside ours; 0 leaves it out
     #[arg(long, value_name = "N", default_value = "1000", value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     splat_spp: u32,
@@ -47,7 +50,12 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let loaded = open_scene(&arguments.scene, arguments.size)?;
     let mut notes = loaded.notes.clone();
     let given = arguments.image.as_ref().map(|path| open_picture(path, &mut notes)).transpose()?;
-    let still = given.unwrap_or_else(|| built_in(&loaded));
+    let mut still = given.unwrap_or_else(|| built_in(&loaded));
+    if arguments.fit != FitMode::Stretch {
+        let setup = Setup::new(&loaded)?;
+        notes.extend(fit_note(&setup, &still.picture, arguments.fit));
+        still.picture = arguments.fit.apply(&setup, &still.picture);
+    }
     let splat_spp = arguments.splat_spp as usize;
     let output = crate::output::into_folder(&arguments.out)?;
     write_proof(&loaded, &still, splat_spp, notes, output, voice)
@@ -73,7 +81,7 @@ pub fn write_proof(
     let setup = Setup::new(loaded)?;
     let settings = Settings { splat_spp, ..Settings::for_setup(&setup) };
     check_view(settings.view, settings.supersampling)?;
-    notes.extend(stretch_note(&setup, &still.picture));
+    notes.extend(fit_note(&setup, &still.picture, FitMode::Stretch));
     let bar = Bar::new();
     let proof = prove(&setup, &still.picture, &settings, &bar)?;
     bar.stage("brightness and colour", 1);

@@ -68,8 +68,10 @@ fn stray_images_are_placed_and_drawn_on_request() {
     assert!((covered(0) - covered(1)).abs() < 0.005 && covered(0) > 0.0, "{told}");
     assert!(stray["over_image_at_best"].as_f64() <= stray["over_image"].as_f64(), "{told}");
     let picture = read_still(&bench.path("stray.png")).unwrap().picture;
-    // The image is in the middle, a quarter as wide as the picture.
-    let at = |x: usize, y: usize| picture.pixels[y * picture.width + x];
-    assert!(at(picture.width / 2, picture.height / 2)[1] > 0.1);
-    assert!(at(2, 2)[1] == 0.0);
+    // The view stands below the title, 384 pixels a side: the image in its middle, a quarter as wide; black around.
+    let at = |x: usize, y: usize| picture.pixels[(y + 54) * picture.width + x + 24];
+    assert!(at(192, 192)[1] > 0.1);
+    assert!(at(2, 2)[1] == 0.0 && at(382, 382)[1] == 0.0);
+    // Below stands what the colours mean.
+    assert!(picture.height > 54 + 384 + 4 * 26 && picture.pixels[0][1] > 0.9);
 }

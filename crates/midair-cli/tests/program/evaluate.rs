@@ -1,6 +1,6 @@
 //! `midair evaluate --paper`, at a handful of paths.
 
-use super::{Bench, waves};
+use super::{Bench, scene, waves};
 use midair::picture::{Depth, write_still};
 
 #[test]
@@ -64,5 +64,46 @@ fn a_folder_without_pictures_and_damaged_weights_are_refused() {
     assert_eq!(output.status.code(), Some(2), "{said}");
     assert!(said.contains("lpips_alex.safetensors") && said.contains("midair weights"), "{said}");
     assert!(!bench.path("out").exists());
-    assert!(bench.refuse(&["evaluate", "--images", "photos", "--out", "out"]).contains("--paper"));
+    assert!(bench.refuse(&["evaluate", "--images", "photos", "--out", "out"]).contains("SCENE"));
+}
+
+#[test]
+fn a_scene_of_ones_own_is_evaluated_at_the_azimuths_that_are_asked_for_and_gone_on_with() {
+    let bench = Bench::new();
+    std::fs::create_dir(bench.path("photos")).unwrap();
+    write_still(&bench.path("photos/a.png"), &waves(60, 60), Depth::Eight).unwrap();
+    let scene = scene("paper/cube.toml");
+    let fixed = ["evaluate", &scene, "--images", "photos", "--out", "out", "--quick"];
+    let arguments = [&fixed[..], &["--spp", "4", "--azimuths", "-10,2.5"]].concat();
+    let run = |more: &[&str]| {
+        let all = [&arguments[..], more].concat();
+        let output = bench.command(&all).env("MIDAIR_CACHE", bench.path("empty")).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let told: serde_json::Value = serde_json::from_str(&run(&["--json"])).unwrap();
+    // A slab of 50 mm and n = 1.49, seen by a camera 3300 mm away at an angle a to its faces, shifts the line of sight by
+    // t (sin a - tan a' cos a), a' after Snell; the cube is turned by 15.8 degrees.
+    let views = told["shapes"][0]["views"].as_array().unwrap();
+    assert_eq!(views.len(), 2);
+    for (view, azimuth) in views.iter().zip([-10.0f64, 2.5]) {
+        assert_eq!(view["azimuth"], azimuth);
+        let a = (15.8 - azimuth).to_radians();
+        let shift = 50.0 * (a.sin() - a.cos() * (a.sin() / 1.49).asin().tan());
+        let found = view["exact"]["without"].as_f64().unwrap() / 16.8;
+        // The lattice's intersections are seen at angles that differ by half a degree of some twenty.
+        assert!((found / shift - 1.0).abs() < 0.06, "{view} {shift}");
+    }
+    assert!(told.get("published").is_none());
+    let names = bench.names("out");
+    for end in ["-10.png", "+2.5.png", "likeness.csv", "displacement.csv", "report.html"] {
+        assert!(names.iter().any(|name| name.ends_with(end)), "{end}: {names:?}");
+    }
+    let csv = std::fs::read_to_string(bench.path("out/displacement.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 3, "{csv}");
+    let page = std::fs::read_to_string(bench.path("out/report.html")).unwrap();
+    assert!(!page.contains("78.87") && !page.contains("The paper"));
+    // There is nothing left to go on with.
+    let resumed = [&arguments[..], &["--resume"]].concat();
+    assert!(bench.refuse(&resumed).contains("nothing to go on with"));
 }

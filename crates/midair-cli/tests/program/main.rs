@@ -8,6 +8,7 @@ mod delivery;
 mod evaluate;
 mod files;
 mod films;
+mod fit;
 mod map;
 mod measure;
 mod plate;

@@ -7,6 +7,7 @@ mod lettering;
 pub mod pattern;
 pub mod set_up;
 pub mod status_picture;
+pub mod stray_picture;
 pub mod test_picture;
 pub mod tolerances;
 mod vector;

@@ -204,7 +204,7 @@ fn registration(sheet: &mut Sheet, display: &Rectangle, layout: &Layout) {
         let colour = match body.role {
             Role::Display | Role::Plate => continue,
             Role::Image => GREEN,
-            Role::Solid | Role::Mirror => WHITE,
+            Role::Solid | Role::Mirror | Role::Opaque => WHITE,
         };
         let seen = body.seen(&view);
         let mut lines = seen.lines;

@@ -33,6 +33,7 @@ fn point_colour(point: ImagePoint) -> [u8; 3] {
         ImagePoint::TotalReflection(element) => {
             [VERMILION, ORANGE, PURPLE][usize::from(element) % 3]
         }
+        ImagePoint::Stopped(_) => DARK,
         ImagePoint::MissedPlate => SKY,
         ImagePoint::PlateBehind => GREY,
         ImagePoint::MissedDisplay => BLUE,

@@ -89,6 +89,15 @@ impl LineChart {
             "<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{}\">",
             escaped(&title)
         );
+        if points().next().is_none() {
+            let (x, y) = (0.5 * (LEFT + WIDTH - RIGHT), 0.5 * (TOP + HEIGHT - BOTTOM));
+            push(
+                &mut out,
+                format_args!(
+                    "<text class=\"faint\" x=\"{x}\" y=\"{y}\" text-anchor=\"middle\">nothing is known to be drawn here</text>"
+                ),
+            );
+        }
         for &tick in &ys {
             let at = y(tick);
             push(

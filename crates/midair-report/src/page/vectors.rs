@@ -15,25 +15,34 @@ pub struct VectorChart {
     pub seen: Vec<Option<[f64; 2]>>,
 }
 
+/// A displacement that nobody can see and no drawing should show, pixels.
+const NOTHING: f64 = 1e-4;
+
 /// Width of the drawing; its height follows the view's.
 const WIDTH: f64 = 480.0;
 
 impl VectorChart {
-    /// How many times longer than true the arrows are drawn: 1, 2 or 5 times a power of
-    /// ten, that keeps the longest below the lattice's spacing; at least 1.
-    pub fn exaggeration(&self) -> f64 {
-        let longest = self
-            .reference
+    /// The longest arrow at its true length, pixels; 0 without any.
+    fn longest(&self) -> f64 {
+        self.reference
             .iter()
             .zip(&self.seen)
             .filter_map(|(a, b)| {
                 Some((*a)?.into_iter().zip((*b)?).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt())
             })
             .filter(|length| length.is_finite())
-            .fold(0.0, f64::max);
+            .fold(0.0, f64::max)
+    }
+
+    /// How many times longer than true the arrows are drawn: 1, 2 or 5 times a power of
+    /// ten, that keeps the longest below the lattice's spacing; at least 1, and 1 where nothing but rounding would be seen.
+    pub fn exaggeration(&self) -> f64 {
+        let longest = self.longest();
+        if longest < NOTHING {
+            return 1.0;
+        }
         let spacing = self.size[0] / self.lines.max(1) as f64;
-        // Beyond a million there is nothing but rounding to see.
-        let most = (spacing / longest.max(1e-300)).clamp(1.0, 1e6);
+        let most = (spacing / longest).max(1.0);
         let power = 10_f64.powf(most.log10().floor());
         [5.0, 2.0]
             .into_iter()
@@ -49,9 +58,14 @@ impl VectorChart {
         let foot = 26.0;
         let mut out = format!(
             "<svg viewBox=\"0 0 {WIDTH} {:.1}\" role=\"img\" aria-label=\"Displacement of {} intersections, \
-             arrows {times} times their length\">",
+             {}\">",
             height + foot,
-            self.reference.len()
+            self.reference.len(),
+            if times > 1.0 {
+                format!("arrows {times} times their length")
+            } else {
+                "at true length".to_owned()
+            }
         );
         push(
             &mut out,
@@ -84,7 +98,12 @@ impl VectorChart {
                 ),
             }
         }
-        let how = if times > 1.0 {
+        let pairs = self.reference.iter().zip(&self.seen);
+        let how = if pairs.clone().all(|(a, b)| a.is_none() || b.is_none()) {
+            "no intersection is known in both: there is nothing to draw".to_owned()
+        } else if self.longest() < NOTHING {
+            format!("no displacement is longer than {NOTHING} pixel")
+        } else if times > 1.0 {
             format!("arrows {times} × their length")
         } else {
             "arrows at their true length".to_owned()

@@ -191,7 +191,7 @@ fn fields([plain, even]: &[Picture; 2]) -> [Picture; 2] {
     })
 }
 
-/// How small differences of brightness are shown: from a dark grey to white.
+/// How small differences of brightness are shown: from a dark grey to white, the brightest; what is even is white.
 struct Tone {
     least: f32,
     span: f32,
@@ -199,8 +199,9 @@ struct Tone {
 
 impl Tone {
     fn of([least, most]: [f32; 2]) -> Self {
-        // Less than a hundredth is not blown up.
-        Self { least, span: (most - least).max(0.01 * most).max(f32::MIN_POSITIVE) }
+        // Less than a hundredth is not blown up: it stays near white.
+        let span = (most - least).max(0.01 * most).max(f32::MIN_POSITIVE);
+        Self { least: most - span, span }
     }
 
     fn pixel(&self, rgb: Option<[f32; 3]>) -> [f32; 4] {

@@ -16,6 +16,8 @@ pub enum Role {
     Solid,
     /// A mirror.
     Mirror,
+    /// An opaque part.
+    Opaque,
 }
 
 /// A thing in its place.
@@ -76,6 +78,7 @@ impl Layout {
                     (Role::Solid, format!(", index {}", shown(index)))
                 }
                 Matter::Mirror { .. } => (Role::Mirror, ", mirror".to_owned()),
+                Matter::Opaque => (Role::Opaque, ", opaque".to_owned()),
             };
             let [low, high] = element.shape.bounds();
             let extent = high - low;

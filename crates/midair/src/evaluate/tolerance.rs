@@ -122,7 +122,8 @@ fn parts(setup: &Setup) -> Vec<(Part, String, Vec<Measure>)> {
         (Part::Plate, "plate".to_owned(), placed.clone()),
     ];
     for (i, element) in setup.elements.iter().enumerate() {
-        let mut measures = placed.clone();
+        // What is inside of a thing moves with it.
+        let mut measures = if element.inside_of.is_some() { Vec::new() } else { placed.clone() };
         // Air in a vessel has no index that could be mistaken.
         if matches!(element.matter, Matter::Refractive { index, .. } if index > 1.0) {
             measures.push(Measure::Index);
@@ -163,6 +164,9 @@ fn differently(setup: &Setup, part: Part, measure: Measure) -> Setup {
             built.plate = Plate::new(rectangle, setup.plate.model().clone());
         }
         Part::Element(i) => {
+            for inside in built.elements.iter_mut().filter(|e| e.inside_of == Some(i)) {
+                inside.frame = moved(inside.frame);
+            }
             let element = &mut built.elements[i];
             element.frame = moved(element.frame);
             if let (Matter::Refractive { index, .. }, Measure::Index) =

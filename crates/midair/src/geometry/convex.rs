@@ -358,7 +358,7 @@ pub(super) fn quadratic_root<T: Real>(a: T, b: T, c: T, crossing: Crossing) -> T
 }
 
 /// Both roots of a t^2 + 2 b t + c = 0, the first along the line first: see [`quadratic_root`].
-fn quadratic_roots<T: Real>(a: T, b: T, c: T) -> [T; 2] {
+pub(super) fn quadratic_roots<T: Real>(a: T, b: T, c: T) -> [T; 2] {
     let (q, q_over_a_is_later) = quadratic_parts(a, b, c);
     if q_over_a_is_later { [c / q, q / a] } else { [q / a, c / q] }
 }

@@ -22,6 +22,7 @@ impl Shape {
                 [-reach, reach]
             }
             Self::Sheet(sheet) => of_sheet(sheet),
+            Self::Swept(swept) => swept.bounds(),
             Self::HeightField(field) => field.bounds(),
             Self::Mesh(mesh) => mesh.bounds(),
         }

@@ -1,5 +1,6 @@
 //! A surface z(x, y) over a rectangle: a water surface, an asphere.
 
+use super::roots::bracketed_root;
 use super::{Crossing, Hit, Ray, Real, Search, Vec3};
 
 /// Heights over a rectangle in its own frame, between samples by a uniform cubic B-spline through them: its slopes and
@@ -296,33 +297,4 @@ fn interpolating_spline(samples: &[f64]) -> Vec<f64> {
     c[0] = 2.0 * c[1] - c[2];
     c[n + 1] = 2.0 * c[n] - c[n - 1];
     c
-}
-
-/// A root between two points of opposite signs: Newton-like steps kept within the bracket (Ridders 1979).
-fn bracketed_root(f: impl Fn(f64) -> f64, bracket: [f64; 2], values: [f64; 2]) -> f64 {
-    let ([mut a, mut b], [mut fa, mut fb]) = (bracket, values);
-    for _ in 0..60 {
-        let middle = 0.5 * (a + b);
-        let fm = f(middle);
-        let root = (fm * fm - fa * fb).sqrt();
-        if root == 0.0 {
-            return middle;
-        }
-        let x = middle + (middle - a) * fm / root * (fa - fb).signum();
-        let fx = f(x);
-        if fx == 0.0 || (b - a).abs() < 1e-13 * (1.0 + a.abs()) {
-            return x;
-        }
-        if (fm > 0.0) != (fx > 0.0) {
-            (a, fa, b, fb) = (middle, fm, x, fx);
-        } else if (fa > 0.0) != (fx > 0.0) {
-            (b, fb) = (x, fx);
-        } else {
-            (a, fa) = (x, fx);
-        }
-        if (b - a).abs() < 1e-13 * (1.0 + a.abs()) {
-            return 0.5 * (a + b);
-        }
-    }
-    0.5 * (a + b)
 }

@@ -1,6 +1,7 @@
 //! A shape as a draughtsman draws it: its edges, and what its contour is made of from any side.
 
 use super::mesh_surface::MeshSurface;
+use super::swept::of_swept;
 use super::{Convex, Frame, HeightField, Shape, Sheet, Vec3};
 use std::f64::consts::TAU;
 
@@ -35,6 +36,7 @@ impl Shape {
         match self {
             Self::Convex(convex) => of_convex(convex),
             Self::Sheet(sheet) => of_sheet(sheet),
+            Self::Swept(swept) => of_swept(swept),
             Self::HeightField(field) => of_field(field),
             Self::Mesh(mesh) => of_mesh(mesh),
         }

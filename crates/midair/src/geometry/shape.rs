@@ -1,7 +1,7 @@
 //! The closed set of forms that an element can have.
 
 use super::{
-    Convex, Crossing, HeightField, Hit, MeshSurface, Part, Ray, Real, Search, Sheet, Vec3,
+    Convex, Crossing, HeightField, Hit, MeshSurface, Part, Ray, Real, Search, Sheet, Swept, Vec3,
 };
 use std::sync::Arc;
 
@@ -12,6 +12,8 @@ pub enum Shape {
     Convex(Convex),
     /// An open sheet in closed form.
     Sheet(Sheet),
+    /// A solid of revolution or a prism.
+    Swept(Arc<Swept>),
     /// Sampled heights.
     HeightField(Arc<HeightField>),
     /// A triangle mesh.
@@ -24,6 +26,7 @@ impl Shape {
         match self {
             Self::Convex(convex) => convex.nearest(ray, search),
             Self::Sheet(sheet) => sheet.nearest(ray, search),
+            Self::Swept(swept) => swept.nearest(ray, search),
             Self::HeightField(field) => field.nearest(ray, search),
             Self::Mesh(mesh) => mesh.nearest(ray, search),
         }
@@ -35,6 +38,7 @@ impl Shape {
         match self {
             Self::Convex(convex) => convex.cross(ray, face, crossing),
             Self::Sheet(sheet) => sheet.cross(ray, crossing),
+            Self::Swept(swept) => swept.cross(ray, face, crossing),
             Self::HeightField(field) => field.cross(ray, face, crossing),
             Self::Mesh(mesh) => mesh.cross(ray, face),
         }
@@ -43,7 +47,7 @@ impl Shape {
     /// Whether it encloses a volume.
     pub fn is_solid(&self) -> bool {
         match self {
-            Self::Convex(_) => true,
+            Self::Convex(_) | Self::Swept(_) => true,
             Self::Sheet(_) => false,
             Self::HeightField(field) => field.is_solid(),
             Self::Mesh(mesh) => mesh.is_closed(),
@@ -73,6 +77,7 @@ impl Shape {
         match self {
             Self::Convex(convex) => convex.volume(),
             Self::Sheet(_) => 0.0,
+            Self::Swept(swept) => swept.volume(),
             Self::HeightField(field) => field.volume(),
             Self::Mesh(mesh) => mesh.volume(),
         }

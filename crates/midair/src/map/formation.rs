@@ -14,6 +14,8 @@ pub enum ImagePoint {
     Folded,
     /// Its path ends by total internal reflection in this element.
     TotalReflection(u16),
+    /// Its path ends at this element, which is opaque.
+    Stopped(u16),
     /// Its path goes past the plate.
     MissedPlate,
     /// Its path meets the plate from behind.
@@ -96,6 +98,7 @@ pub(super) fn classify(end: End, map: &Map) -> ImagePoint {
             }
         }
         End::TotalReflection { element } => ImagePoint::TotalReflection(element),
+        End::Stopped { element } => ImagePoint::Stopped(element),
         End::PlateBehind => ImagePoint::PlateBehind,
         End::MissedDisplay => ImagePoint::MissedDisplay,
         End::TooManyInteractions => ImagePoint::TooManyInteractions,

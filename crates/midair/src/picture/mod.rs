@@ -14,6 +14,7 @@
 mod brightness;
 pub mod colour;
 mod curve;
+mod fit;
 mod interpolate;
 mod jpeg;
 mod linear;
@@ -34,6 +35,7 @@ pub use crate::map::format::FileError;
 pub use crate::optics::srgb;
 pub use brightness::{Evened, Evening, Overflow, even_out};
 pub use curve::Curve;
+pub use fit::{Crop, Fit};
 pub use linear::{LONGEST, Picture, check_size};
 pub use over_black::OverBlack;
 pub use resample::{display_image, display_image_by_colour};

@@ -4,7 +4,7 @@ mod words;
 
 use super::error::{SceneError, SceneText};
 use super::grammar::{Block, Key, Kind, Need};
-use super::tree::{Entry, Node, Value};
+use super::tree::{Entry, Node, Value, with_unit};
 use crate::optics::glass;
 use std::ops::Range;
 use words::{
@@ -129,6 +129,12 @@ impl Conformance<'_> {
             (&Kind::Rows(least, most), Value::List(rows)) => {
                 self.rows(key, node, rows, least, most);
             }
+            (&Kind::List(least, most), Value::List(list)) => {
+                list.iter().for_each(|item| self.number(key, item, least, most));
+            }
+            (&Kind::Points(count, least, most), Value::List(list)) => {
+                self.points(key, node, list, count, [least, most]);
+            }
             (&Kind::Choice(choices), Value::Text(text)) => {
                 if !choices.contains(&text.as_str()) {
                     self.fault(
@@ -248,10 +254,41 @@ impl Conformance<'_> {
         }
     }
 
+    fn points(&mut self, key: &Key, node: &Node, list: &[Node], count: usize, bounds: [f64; 2]) {
+        for point in list {
+            match &point.value {
+                Value::List(pair) if pair.len() == 2 => {
+                    pair.iter().for_each(|item| self.number(key, item, bounds[0], bounds[1]));
+                }
+                _ => {
+                    let message = format!("a point of `{}` is not two numbers", key.name);
+                    self.fault(&point.span, message, format!("write {}", example(key)));
+                    return;
+                }
+            }
+        }
+        if list.len() < count {
+            let message = format!("`{}` has too few points: {}", key.name, list.len());
+            self.fault(
+                &node.span,
+                message,
+                format!("give at least {count}: {}", in_sentence(key.about)),
+            );
+        } else if list.len() > MOST_POINTS {
+            let message = format!("`{}` has too many points: {}", key.name, list.len());
+            let help = format!("give at most {MOST_POINTS}; smooth = true needs few");
+            self.fault(&node.span, message, help);
+        }
+    }
+
     fn number(&mut self, key: &Key, node: &Node, least: f64, most: f64) {
-        let value = match node.value {
-            Value::Integer(i) => i as f64,
-            Value::Number(n) => n,
+        let value = match &node.value {
+            Value::Integer(i) => *i as f64,
+            Value::Number(n) => *n,
+            Value::Text(text) => match with_unit(text, key.unit) {
+                Some(value) => value,
+                None => return self.wrong_number(key, node),
+            },
             _ => return self.wrong_number(key, node),
         };
         let what = key.name;
@@ -304,7 +341,11 @@ impl Conformance<'_> {
     /// An item of the key's list that is no number; of a key that is no list, the value itself.
     fn wrong_number(&mut self, key: &Key, node: &Node) {
         match key.kind {
-            Kind::Numbers(..) | Kind::Integers(..) | Kind::Rows(..) => {
+            Kind::Numbers(..)
+            | Kind::Integers(..)
+            | Kind::Rows(..)
+            | Kind::List(..)
+            | Kind::Points(..) => {
                 let found = node.value.describe();
                 self.wrong(key, node, format!("holds {found}: it needs {}", wanted(&key.kind)));
             }
@@ -321,3 +362,6 @@ impl Conformance<'_> {
         self.fault(&node.span, message, help);
     }
 }
+
+/// Points of a profile: beyond that a mesh is meant.
+const MOST_POINTS: usize = 500;

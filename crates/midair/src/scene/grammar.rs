@@ -2,6 +2,7 @@
 //! scene may say is found in one place.
 
 use super::devices;
+use super::grammar_of_solids as solids;
 
 /// A named set of keys.
 pub(super) struct Block {
@@ -49,6 +50,10 @@ pub(super) enum Kind {
     Colour(f64, f64),
     /// A list of rows of numbers, all of one length.
     Rows(f64, f64),
+    /// A list of numbers, of any length.
+    List(f64, f64),
+    /// A list of at least so many points, each of two numbers.
+    Points(usize, f64, f64),
     Choice(&'static [&'static str]),
     /// A glass of the catalogue.
     Glass,
@@ -89,13 +94,13 @@ pub(super) fn key<'a>(mut names: impl Iterator<Item = &'a str>) -> Option<&'stat
 
 /// Bounds of a size in mm: a nanometre to a kilometre. Beyond them lies a mistyped unit, and
 /// arithmetic that runs out of digits.
-const SMALLEST: f64 = 1e-6;
+pub(super) const SMALLEST: f64 = 1e-6;
 pub(super) const LARGEST: f64 = 1e6;
-const SIZE: Kind = Kind::Number(SMALLEST, LARGEST);
+pub(super) const SIZE: Kind = Kind::Number(SMALLEST, LARGEST);
 /// Bound of an index of refraction: vacuum to beyond germanium.
-const INDEX: (f64, f64) = (1.0, 5.0);
+pub(super) const INDEX: (f64, f64) = (1.0, 5.0);
 
-const fn required(
+pub(super) const fn required(
     name: &'static str,
     kind: Kind,
     unit: Option<&'static str>,
@@ -104,7 +109,7 @@ const fn required(
     Key { name, kind, unit, need: Need::Required, about }
 }
 
-const fn optional(
+pub(super) const fn optional(
     name: &'static str,
     kind: Kind,
     unit: Option<&'static str>,
@@ -114,7 +119,7 @@ const fn optional(
     Key { name, kind, unit, need, about }
 }
 
-const fn size(name: &'static str, about: &'static str) -> Key {
+pub(super) const fn size(name: &'static str, about: &'static str) -> Key {
     required(name, SIZE, Some("mm"), about)
 }
 
@@ -136,7 +141,7 @@ const ROTATION: Key = optional(
     Need::Numbers(&[0.0, 0.0, 0.0]),
     "How it is turned: Rx*Ry*Rz of these angles.",
 );
-const KIND: Key = required("kind", Kind::Text, None, "Which shape it is.");
+pub(super) const KIND: Key = required("kind", Kind::Text, None, "Which shape it is.");
 const FACING: Key = required(
     "facing",
     Kind::Choice(&["convex", "concave"]),
@@ -144,7 +149,7 @@ const FACING: Key = required(
     "Which way it curves, seen from its local +z side.",
 );
 
-const fn block(name: &'static str, about: &'static str, keys: &'static [Key]) -> Block {
+pub(super) const fn block(name: &'static str, about: &'static str, keys: &'static [Key]) -> Block {
     Block { name, about, keys, exactly_one: &[] }
 }
 
@@ -480,10 +485,13 @@ static ELEMENT: Block = block(
             Need::Optional,
             "Nested media: the higher one fills where solids overlap; left out: the smaller solid.",
         ),
+        solids::WALL,
+        solids::OPEN,
+        solids::FILL,
     ],
 );
 
-const ABSORPTION: Key = optional(
+pub(super) const ABSORPTION: Key = optional(
     "absorption",
     Kind::Colour(0.0, 1e6),
     Some("per mm"),
@@ -493,7 +501,7 @@ const ABSORPTION: Key = optional(
 
 static MATERIAL: Block = Block {
     name: "a material",
-    about: "What an element is made of: exactly one of ior, glass, cauchy, file and mirror.",
+    about: "What an element is made of: exactly one of ior, glass, cauchy, file, mirror and opaque.",
     keys: &[
         optional(
             "ior",
@@ -520,6 +528,13 @@ static MATERIAL: Block = Block {
         ),
         optional("mirror", Kind::Flag, None, Need::Optional, "true: a reflective surface."),
         optional(
+            "opaque",
+            Kind::Flag,
+            None,
+            Need::Optional,
+            "true: it stops all light, as a label, a stand or a frame does.",
+        ),
+        optional(
             "reflectance",
             Kind::Colour(0.0, 1.0),
             None,
@@ -528,10 +543,10 @@ static MATERIAL: Block = Block {
         ),
         ABSORPTION,
     ],
-    exactly_one: &[&["ior", "glass", "cauchy", "file", "mirror"]],
+    exactly_one: &[&["ior", "glass", "cauchy", "file", "mirror", "opaque"]],
 };
 
-static SHAPES: [(&str, &Block); 10] = [
+static SHAPES: [(&str, &Block); 15] = [
     ("sphere", &block("a sphere", "A ball.", &[KIND, size("radius", "Radius.")])),
     (
         "ellipsoid",
@@ -592,6 +607,11 @@ static SHAPES: [(&str, &Block); 10] = [
             ],
         ),
     ),
+    ("hemisphere", &solids::HEMISPHERE),
+    ("torus", &solids::TORUS),
+    ("lens", &solids::LENS),
+    ("lathe", &solids::LATHE),
+    ("prism", &solids::PRISM),
     (
         "plane",
         &block(

@@ -176,7 +176,7 @@ pub fn with_files(scene: Scene, text: SceneText, files: &dyn Assets) -> Result<L
             Shape::Mesh { file, scale, unit, normals } => {
                 let surface = match element.material {
                     Material::Refractive { .. } => Surface::Closed,
-                    Material::Mirror { .. } => Surface::Open,
+                    Material::Mirror { .. } | Material::Opaque => Surface::Open,
                 };
                 let (bytes, place) = reading.file(&key, file)?;
                 let folder = file.parent().unwrap_or(Path::new(""));

@@ -12,6 +12,7 @@ pub mod devices;
 mod edit;
 mod error;
 mod grammar;
+mod grammar_of_solids;
 pub(crate) mod heights;
 mod load;
 pub mod model;
@@ -19,7 +20,10 @@ mod placement;
 mod read;
 mod save;
 mod schema;
+pub(crate) mod section;
 mod sense;
+#[cfg(test)]
+mod solids_tests;
 pub mod template;
 #[cfg(test)]
 mod tests;

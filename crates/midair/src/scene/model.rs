@@ -133,6 +133,30 @@ pub struct Element {
     pub material: Material,
     /// Which solid fills where several overlap: the highest; `None`: the smaller solid wins.
     pub priority: Option<i32>,
+    /// What is hollow about it; `None`: it is solid.
+    pub hollow: Option<Hollow>,
+}
+
+/// The inside of a solid that is but a wall.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hollow {
+    /// Thickness of the wall, the same everywhere, mm.
+    pub wall: f64,
+    /// Whether its top has no wall.
+    pub open: bool,
+    /// A liquid in it; `None`: air.
+    pub fill: Option<Fill>,
+}
+
+/// A liquid in a hollow solid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fill {
+    /// How high it stands over the lowest place of the inside, mm; `None`: it fills the inside.
+    pub height: Option<f64>,
+    /// Its refractive index.
+    pub index: Index,
+    /// Absorption per mm by linear R, G, B.
+    pub absorption: [f64; 3],
 }
 
 /// Which way a bent mirror curves, seen from its +z side.
@@ -191,6 +215,47 @@ pub enum Shape {
         top_radius: f64,
         /// Length along y.
         height: f64,
+    },
+    /// Half a ball, its flat side at local y = 0, its dome towards +y.
+    Hemisphere {
+        /// Radius.
+        radius: f64,
+    },
+    /// A ring about local y.
+    Torus {
+        /// From the axis to the middle of the tube.
+        radius: f64,
+        /// Radius of the tube.
+        tube: f64,
+    },
+    /// A lens, its axis local z, its middle at the origin.
+    Lens {
+        /// Radii of curvature of the surface on the +z side and of the other; positive bulges outwards, negative is hollow, 0 is flat.
+        radii: [f64; 2],
+        /// Thickness on the axis.
+        thickness: f64,
+        /// Diameter.
+        diameter: f64,
+        /// Conic constants of the two surfaces.
+        conic: [f64; 2],
+        /// a4, a6, ... of the two surfaces, in mm.
+        aspheric: [Vec<f64>; 2],
+    },
+    /// A profile turned about local y.
+    Lathe {
+        /// Points [distance from the axis, y].
+        profile: Vec<[f64; 2]>,
+        /// Whether arcs that join without a bend lead through the points; else straight lines.
+        smooth: bool,
+    },
+    /// An outline in local x and y, moved along local z, its middle at z = 0.
+    Prism {
+        /// Points [x, y] around it.
+        outline: Vec<[f64; 2]>,
+        /// Length along z.
+        depth: f64,
+        /// Whether arcs that join without a bend lead through the points; else straight lines.
+        smooth: bool,
     },
     /// A flat mirror, normal local +z.
     Plane {
@@ -258,6 +323,8 @@ pub enum Material {
         /// Absorption per mm by linear R, G, B; `None`: as the glass file says at the display's wavelengths, else none.
         absorption: Option<[f64; 3]>,
     },
+    /// It stops all light: a label, a stand, a frame.
+    Opaque,
     /// A reflective surface.
     Mirror {
         /// Reflectance by linear R, G, B.

@@ -3,7 +3,7 @@
 use super::devices::{self, Fineness};
 use super::grammar::{Block, Kind, Need};
 use super::model::*;
-use super::tree::{Entry, Node, Value, millimetres};
+use super::tree::{Entry, Node, Value, measured, millimetres};
 use std::path::PathBuf;
 
 /// A table with the block that it conforms to: values given, else the grammar's defaults.
@@ -115,6 +115,21 @@ impl<'a> Fields<'a> {
             .collect()
     }
 
+    fn list(&self, key: &str) -> Option<Vec<f64>> {
+        match self.given(key) {
+            Some(Node { value: Value::List(list), .. }) => list.iter().map(number).collect(),
+            Some(_) => None,
+            None => match self.default(key)? {
+                Need::Numbers(n) => Some(n.to_vec()),
+                _ => None,
+            },
+        }
+    }
+
+    fn points(&self, key: &str) -> Option<Vec<[f64; 2]>> {
+        self.rows(key)?.into_iter().map(|row| row.try_into().ok()).collect()
+    }
+
     fn block(&self, key: &str) -> Option<Fields<'a>> {
         let kind = &self.block.keys.iter().find(|k| k.name == key)?.kind;
         let Value::Table(table) = &self.given(key)?.value else { return None };
@@ -140,9 +155,10 @@ impl<'a> Fields<'a> {
 }
 
 fn number(node: &Node) -> Option<f64> {
-    match node.value {
-        Value::Integer(i) => Some(i as f64),
-        Value::Number(n) => Some(n),
+    match &node.value {
+        Value::Integer(i) => Some(*i as f64),
+        Value::Number(n) => Some(*n),
+        Value::Text(text) => measured(text),
         _ => None,
     }
 }
@@ -278,23 +294,50 @@ fn element(fields: &Fields<'_>) -> Option<Element> {
     let absorption = material.colour("absorption").or(fields.colour("absorption"));
     let material = if material.flag("mirror") == Some(true) {
         Material::Mirror { reflectance: material.colour("reflectance")? }
+    } else if material.flag("opaque") == Some(true) {
+        Material::Opaque
     } else {
-        let index = if let Some(ior) = material.number("ior") {
-            Index::Constant(ior)
-        } else if let Some([a, b]) = material.numbers("cauchy") {
-            Index::Cauchy(a, b)
-        } else if let Some(file) = material.text("file") {
-            Index::File(file.into())
-        } else {
-            Index::Glass(material.text("glass")?.to_owned())
-        };
-        Material::Refractive { index, absorption }
+        Material::Refractive { index: index(&material)?, absorption }
     };
     let priority = match fields.integer("priority") {
         Some(priority) => Some(priority.try_into().ok()?),
         None => None,
     };
-    Some(Element { name, shape: shape(&shape_fields)?, pose: fields.pose()?, material, priority })
+    Some(Element {
+        name,
+        shape: shape(&shape_fields)?,
+        pose: fields.pose()?,
+        material,
+        priority,
+        hollow: match fields.number("wall") {
+            Some(wall) => Some(hollow(fields, wall)?),
+            None => None,
+        },
+    })
+}
+
+fn index(fields: &Fields<'_>) -> Option<Index> {
+    Some(if let Some(ior) = fields.number("ior") {
+        Index::Constant(ior)
+    } else if let Some([a, b]) = fields.numbers("cauchy") {
+        Index::Cauchy(a, b)
+    } else if let Some(file) = fields.text("file") {
+        Index::File(file.into())
+    } else {
+        Index::Glass(fields.text("glass")?.to_owned())
+    })
+}
+
+fn hollow(fields: &Fields<'_>, wall: f64) -> Option<Hollow> {
+    let fill = match fields.block("fill") {
+        Some(fill) => Some(Fill {
+            height: fill.number("height"),
+            index: index(&fill)?,
+            absorption: fill.colour("absorption").unwrap_or_default(),
+        }),
+        None => None,
+    };
+    Some(Hollow { wall, open: fields.flag("open")?, fill })
 }
 
 fn shape(fields: &Fields<'_>) -> Option<Shape> {
@@ -314,6 +357,23 @@ fn shape(fields: &Fields<'_>) -> Option<Shape> {
             radius: fields.number("radius")?,
             top_radius: fields.number("top_radius")?,
             height: fields.number("height")?,
+        },
+        "hemisphere" => Shape::Hemisphere { radius: fields.number("radius")? },
+        "torus" => Shape::Torus { radius: fields.number("radius")?, tube: fields.number("tube")? },
+        "lens" => Shape::Lens {
+            radii: fields.numbers("radii")?,
+            thickness: fields.number("thickness")?,
+            diameter: fields.number("diameter")?,
+            conic: fields.numbers("conic")?,
+            aspheric: [fields.list("aspheric_front")?, fields.list("aspheric_back")?],
+        },
+        "lathe" => {
+            Shape::Lathe { profile: fields.points("profile")?, smooth: fields.flag("smooth")? }
+        }
+        "prism" => Shape::Prism {
+            outline: fields.points("outline")?,
+            depth: fields.number("depth")?,
+            smooth: fields.flag("smooth")?,
         },
         "plane" => Shape::Plane { size: fields.numbers("size")? },
         "cylinder-mirror" => Shape::CylinderMirror {

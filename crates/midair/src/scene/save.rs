@@ -79,8 +79,19 @@ fn write_scene(out: &mut String, scene: &Scene) -> std::fmt::Result {
         if let Some(priority) = element.priority {
             writeln!(out, "priority = {priority}")?;
         }
+        if let Some(hollow) = &element.hollow {
+            write_hollow(out, hollow)?;
+        }
     }
     Ok(())
+}
+
+fn write_hollow(out: &mut String, hollow: &Hollow) -> std::fmt::Result {
+    writeln!(out, "wall = {:?}\nopen = {}", hollow.wall, hollow.open)?;
+    let Some(fill) = &hollow.fill else { return Ok(()) };
+    let height = fill.height.map_or(String::new(), |height| format!("height = {height:?}, "));
+    let matter = index(&fill.index);
+    writeln!(out, "fill = {{ {height}{matter}, absorption = {:?} }}", fill.absorption)
 }
 
 /// Debug formatting of floats is the shortest text that reads back as the same number, and is
@@ -105,6 +116,20 @@ fn shape(shape: &Shape) -> String {
             "kind = \"cone\", radius = {radius:?}, top_radius = {top_radius:?}, \
              height = {height:?}"
         ),
+        Shape::Hemisphere { radius } => format!("kind = \"hemisphere\", radius = {radius:?}"),
+        Shape::Torus { radius, tube } => {
+            format!("kind = \"torus\", radius = {radius:?}, tube = {tube:?}")
+        }
+        Shape::Lens { radii, thickness, diameter, conic, aspheric: [front, back] } => format!(
+            "kind = \"lens\", radii = {radii:?}, thickness = {thickness:?}, diameter = {diameter:?}, \
+             conic = {conic:?}, aspheric_front = {front:?}, aspheric_back = {back:?}"
+        ),
+        Shape::Lathe { profile, smooth } => {
+            format!("kind = \"lathe\", profile = {profile:?}, smooth = {smooth}")
+        }
+        Shape::Prism { outline, depth, smooth } => {
+            format!("kind = \"prism\", outline = {outline:?}, depth = {depth:?}, smooth = {smooth}")
+        }
         Shape::Plane { size } => format!("kind = \"plane\", size = {size:?}"),
         Shape::CylinderMirror { radius, size, facing } => format!(
             "kind = \"cylinder-mirror\", radius = {radius:?}, size = {size:?}, facing = {}",
@@ -152,21 +177,23 @@ fn facing_name(facing: Facing) -> &'static str {
 
 fn material(material: &Material) -> String {
     match material {
+        Material::Opaque => "opaque = true".to_owned(),
         Material::Mirror { reflectance } => {
             format!("mirror = true, reflectance = {reflectance:?}")
         }
-        Material::Refractive { index, absorption } => {
-            let index = match index {
-                Index::Constant(ior) => format!("ior = {ior:?}"),
-                Index::Cauchy(a, b) => format!("cauchy = [{a:?}, {b:?}]"),
-                Index::Glass(name) => format!("glass = {}", text(name)),
-                Index::File(file) => format!("file = {}", text(&file.to_string_lossy())),
-            };
-            match absorption {
-                Some(absorption) => format!("{index}, absorption = {absorption:?}"),
-                None => index,
-            }
-        }
+        Material::Refractive { index: law, absorption } => match absorption {
+            Some(absorption) => format!("{}, absorption = {absorption:?}", index(law)),
+            None => index(law),
+        },
+    }
+}
+
+fn index(index: &Index) -> String {
+    match index {
+        Index::Constant(ior) => format!("ior = {ior:?}"),
+        Index::Cauchy(a, b) => format!("cauchy = [{a:?}, {b:?}]"),
+        Index::Glass(name) => format!("glass = {}", text(name)),
+        Index::File(file) => format!("file = {}", text(&file.to_string_lossy())),
     }
 }
 

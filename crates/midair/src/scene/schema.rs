@@ -43,6 +43,11 @@ fn block(block: &Block, kind: Option<&str>) -> Value {
 
 fn key(key: &Key) -> Value {
     let mut schema = kind(&key.kind);
+    match key.unit {
+        Some("mm") => allow_text(&mut schema, "^[-+]?[0-9.]+ *(mm|um|cm|m|in|ft)$"),
+        Some("degrees") => allow_text(&mut schema, "^[-+]?[0-9.]+ *(deg|degrees?|°)$"),
+        _ => {}
+    }
     schema["description"] = match key.unit {
         Some(unit) => json!(format!("{} ({unit})", key.about)),
         None => json!(key.about),
@@ -60,6 +65,16 @@ fn key(key: &Key) -> Value {
         schema["default"] = default;
     }
     schema
+}
+
+/// Numbers may be texts with a unit as well.
+fn allow_text(schema: &mut Value, pattern: &str) {
+    if schema["type"] == "number" {
+        schema["type"] = json!(["number", "string"]);
+        schema["pattern"] = json!(pattern);
+    } else if schema["items"].is_object() {
+        allow_text(&mut schema["items"], pattern);
+    }
 }
 
 fn number(least: f64, most: f64) -> Value {
@@ -90,6 +105,12 @@ fn kind(kind: &Kind) -> Value {
             "type": "array",
             "minItems": 2,
             "items": { "type": "array", "minItems": 2, "items": number(least, most) },
+        }),
+        &Kind::List(least, most) => json!({ "type": "array", "items": number(least, most) }),
+        &Kind::Points(count, least, most) => json!({
+            "type": "array",
+            "minItems": count,
+            "items": list(number(least, most), 2),
         }),
         Kind::Choice(choices) => json!({ "enum": choices }),
         Kind::Glass => {

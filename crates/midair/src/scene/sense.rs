@@ -4,6 +4,7 @@ use super::error::{SceneError, SceneText};
 use super::grammar::SLIT_MIRROR_KEYS;
 use super::load::Asset;
 use super::model::*;
+use super::section;
 use crate::geometry::Vec3;
 use crate::optics::plate::SlitMirrorPlate;
 use std::f64::consts::TAU;
@@ -17,6 +18,7 @@ pub(super) fn faults(scene: &Scene, source: &SceneText, assets: &[Asset]) -> Vec
         let key = format!("element[{i}]");
         material(element, &key, source, &mut faults);
         shape(element, &key, source, assets.get(i), &mut faults);
+        section::faults(element, &key, source, &mut faults);
     }
     display(source, &mut faults);
     sides(scene, source, &mut faults);
@@ -105,6 +107,18 @@ fn material(element: &Element, key: &str, source: &SceneText, faults: &mut Vec<S
     let inner = format!("{key}.material.absorption");
     let reflectance = format!("{key}.material.reflectance");
     match &element.material {
+        Material::Opaque => {
+            for key in [&outer, &inner, &reflectance] {
+                if source.has(key) {
+                    let name = key.rsplit('.').next().unwrap_or_default();
+                    faults.push(source.error_at(
+                        key,
+                        format!("`{name}` has no meaning for an opaque part"),
+                        "leave the key out",
+                    ));
+                }
+            }
+        }
         Material::Mirror { .. } => {
             for key in [&outer, &inner] {
                 if source.has(key) {
@@ -245,6 +259,11 @@ fn contains(shape: &Shape, p: Vec3, asset: Option<&Asset>) -> bool {
             Some(Asset::Mesh { mesh, .. }) => mesh.contains(p),
             _ => false,
         },
+        Shape::Hemisphere { .. }
+        | Shape::Torus { .. }
+        | Shape::Lens { .. }
+        | Shape::Lathe { .. }
+        | Shape::Prism { .. } => section::contains(shape, p),
         Shape::Plane { .. } | Shape::CylinderMirror { .. } | Shape::SphereMirror { .. } => false,
     }
 }

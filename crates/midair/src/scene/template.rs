@@ -144,20 +144,12 @@ impl Wishes {
                 // A bottle a third as wide as it is high, with 2 mm of glass.
                 let radius = tenth(height / 6.0);
                 let inner = tenth(radius - 2.0);
-                let level = tenth(height - 10.0);
                 let element = format!(
-                    "# A bottle of glass, full of water but for its uppermost centimetre. Where solids overlap, the one of higher priority fills:\n\
-                     # water and air hollow the glass out, and leave walls of 2 mm and a floor of 4 mm.\n\
+                    "# A bottle of glass with a wall of 2 mm, full of water but for its uppermost centimetre. For another form:\n\
+                     # shape = {{ kind = \"lathe\", profile = [[radius, y], ...], smooth = true }}\n\
                      [[element]]\nname = \"bottle\"\nshape = {{ kind = \"cylinder\", radius = {radius:?}, height = {height:?} }}\n\
-                     material = {{ glass = \"N-BK7\" }}\npriority = 0\n\n\
-                     [[element]]\nname = \"water\"\nshape = {{ kind = \"cylinder\", radius = {inner:?}, height = {:?} }}\n\
-                     position = [0.0, {:?}, 0.0]\nmaterial = {{ glass = \"water\" }}\npriority = 1\n\n\
-                     [[element]]\nname = \"air above the water\"\nshape = {{ kind = \"cylinder\", radius = {inner:?}, height = 12.0 }}\n\
-                     position = [0.0, {:?}, 0.0]\nmaterial = {{ ior = 1.0 }}\npriority = 1\n",
-                    tenth(level - 4.0),
-                    // From 4 mm above the foot up to the level.
-                    tenth(0.5 * (level + 4.0) - 0.5 * height),
-                    tenth(level + 6.0 - 0.5 * height),
+                     material = {{ glass = \"N-BK7\" }}\nwall = 2.0\nfill = {{ height = {:?}, glass = \"water\" }}\n",
+                    tenth(height - 12.0),
                 );
                 let reach = (radius + 0.5 * height) * FRAC_1_SQRT_2;
                 // Water magnifies sideways: a narrow image is wide in it.

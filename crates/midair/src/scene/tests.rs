@@ -80,6 +80,7 @@ fn a_scene_reads_as_it_is_written() {
             pose: Pose::default(),
             material: Material::Refractive { index: Index::Constant(1.49), absorption: None },
             priority: None,
+            hollow: None,
         }],
         tracker: None,
     };

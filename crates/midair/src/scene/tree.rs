@@ -210,6 +210,22 @@ pub(super) fn millimetres(unit: &str) -> Option<f64> {
     UNITS.iter().find(|(name, _)| *name == unit).map(|&(_, factor)| factor)
 }
 
+/// The value of a text such as `"5 cm"` or `"2.5 in"` where a length is wanted (mm), of `"30 deg"` where an angle is (degrees); `None` for all others, a
+/// number without unit among them.
+pub(super) fn with_unit(text: &str, wanted: Option<&str>) -> Option<f64> {
+    let (number, unit) = split_unit(text)?;
+    match (wanted, unit) {
+        (Some("mm"), unit) => millimetres(unit).map(|factor| number * factor),
+        (Some("degrees"), "deg" | "degree" | "degrees" | "°") => Some(number),
+        _ => None,
+    }
+}
+
+/// The number that a text of the file's stands for, whichever its unit: where it was held to conform, its unit is the one that was wanted.
+pub(super) fn measured(text: &str) -> Option<f64> {
+    with_unit(text, Some("mm")).or_else(|| with_unit(text, Some("degrees")))
+}
+
 fn toml_table(table: &DeTable<'_>) -> Value {
     Value::Table(
         table

@@ -85,12 +85,16 @@ impl Stage<'_> {
                 let back = ahead(setup.plate.rectangle.plane_distance(&walk.ray));
                 if back < distance {
                     // Only an element in between can save it.
-                    let step = setup.meet(&walk, back)?;
+                    let step =
+                        setup.meet(&walk, back).filter(|step| step.action != Action::Stop)?;
                     self.interact(&mut walk, step, &mut light, &mut field, &mut chance);
                     continue;
                 }
             }
             if let Some(step) = setup.meet(&walk, distance) {
+                if step.action == Action::Stop {
+                    return None;
+                }
                 self.interact(&mut walk, step, &mut light, &mut field, &mut chance);
                 continue;
             }
@@ -148,7 +152,7 @@ impl Stage<'_> {
         }
         let mut step = step;
         let direction = match step.action {
-            Action::Pass | Action::Plate => d,
+            Action::Pass | Action::Stop | Action::Plate => d,
             Action::Reflect => {
                 if let Matter::Mirror { reflectance } = element.matter {
                     attenuate(light, reflectance);

@@ -46,7 +46,15 @@ pub(crate) fn element(
     rank: u8,
 ) -> Element {
     let frame = Frame::new(Vec3::from_array(position), rotation);
-    Element { name: format!("element {rank}"), frame, shape, matter, index: None, rank }
+    Element {
+        name: format!("element {rank}"),
+        frame,
+        shape,
+        matter,
+        index: None,
+        rank,
+        inside_of: None,
+    }
 }
 
 pub(crate) fn sphere(radius: f64) -> Shape {

@@ -1,6 +1,7 @@
 //! From a scene's description to a set-up ready for tracing.
 
 use super::setup::{Element, MAX_SOLIDS, Matter, Setup};
+use crate::geometry::profile::ProfileError;
 use crate::geometry::{Convex, Shape, Sheet, Vec3};
 use crate::optics::Index;
 use crate::optics::glass::{self, DESIGN_WAVELENGTH};
@@ -8,7 +9,7 @@ use crate::optics::glass_file::GlassFile;
 use crate::optics::plate::{Model, Plate, PlateError, SlitMirrorPlate};
 use crate::scene::heights::fit;
 use crate::scene::model::{self, Facing, HeightSource, Material, PlateModel};
-use crate::scene::{Asset, Loaded};
+use crate::scene::{Asset, Loaded, section};
 use std::sync::Arc;
 
 /// Why a scene cannot be traced.
@@ -23,6 +24,9 @@ pub enum SetupError {
     /// An element whose file was not loaded.
     #[error("element \"{0}\": its file was not loaded")]
     NoAsset(String),
+    /// A shape or its inside that cannot be made.
+    #[error("element \"{0}\": {1}")]
+    Profile(String, ProfileError),
     /// A value that no plate can have.
     #[error(transparent)]
     Plate(#[from] PlateError),
@@ -45,6 +49,7 @@ impl Setup {
                 place(element, asset, glass, scene.display.wavelengths)
             })
             .collect::<Result<Vec<_>, _>>()?;
+        hollow_out(&mut elements, &scene.elements)?;
         rank(&mut elements, &scene.elements)?;
         Self::around(scene, loaded, elements)
     }
@@ -97,6 +102,7 @@ fn place(
             (Matter::Refractive { index, absorption }, Some(law))
         }
         Material::Mirror { reflectance } => (Matter::Mirror { reflectance: *reflectance }, None),
+        Material::Opaque => (Matter::Opaque, None),
     };
     let refractive = matches!(matter, Matter::Refractive { .. });
     Ok(Element {
@@ -106,7 +112,29 @@ fn place(
         matter,
         index,
         rank: 0,
+        inside_of: None,
     })
+}
+
+/// Adds what is inside of hollow elements, after all of the scene's.
+fn hollow_out(elements: &mut Vec<Element>, described: &[model::Element]) -> Result<(), SetupError> {
+    for (i, outer) in described.iter().enumerate() {
+        let refused = |error| SetupError::Profile(outer.name.clone(), error);
+        for inside in section::insides(outer).map_err(refused)? {
+            let law = law(&inside.index, None, &outer.name)?;
+            let (index, absorption) = (law.at(DESIGN_WAVELENGTH), inside.absorption);
+            elements.push(Element {
+                name: inside.name,
+                frame: elements[i].frame,
+                shape: Shape::Swept(Arc::new(inside.solid)),
+                matter: Matter::Refractive { index, absorption },
+                index: Some(law),
+                rank: 0,
+                inside_of: Some(i),
+            });
+        }
+    }
+    Ok(())
 }
 
 /// A scene's index as a law of wavelength.
@@ -150,6 +178,15 @@ fn shape(element: &model::Element, asset: &Asset, refractive: bool) -> Result<Sh
             slope: (top_radius - radius) / height,
             half_height: 0.5 * height,
         }),
+        model::Shape::Hemisphere { .. }
+        | model::Shape::Torus { .. }
+        | model::Shape::Lens { .. }
+        | model::Shape::Lathe { .. }
+        | model::Shape::Prism { .. } => {
+            let solid = section::swept(&element.shape).unwrap_or(Err(ProfileError::Empty));
+            let refused = |error| SetupError::Profile(element.name.clone(), error);
+            Shape::Swept(Arc::new(solid.map_err(refused)?))
+        }
         model::Shape::Plane { size } => Shape::Sheet(Sheet::Plane { half: size.map(|s| 0.5 * s) }),
         model::Shape::CylinderMirror { radius, size, facing } => Shape::Sheet(Sheet::Cylinder {
             centre: sign(facing) * radius,
@@ -185,7 +222,9 @@ fn rank(elements: &mut [Element], described: &[model::Element]) -> Result<(), Se
         return Err(SetupError::TooManySolids(solids.len()));
     }
     solids.sort_by(|&a, &b| {
-        let priority = |i: usize| described[i].priority.unwrap_or(0);
+        // What is inside of an element has its priority, and a smaller volume.
+        let priority =
+            |i: usize| described[elements[i].inside_of.unwrap_or(i)].priority.unwrap_or(0);
         let volume = |i: usize| elements[i].shape.volume();
         priority(a).cmp(&priority(b)).then(volume(b).total_cmp(&volume(a))).then(a.cmp(&b))
     });

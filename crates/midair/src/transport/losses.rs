@@ -83,7 +83,9 @@ impl Setup {
                         field.reflect(ray.direction, n, eta, ahead.direction);
                     }
                 }
-                (Action::Pass | Action::Plate, _) => {}
+                // No path that arrives has met what stops it.
+                (Action::Reflect, Matter::Opaque)
+                | (Action::Pass | Action::Stop | Action::Plate, _) => {}
             }
             self.take(&mut walk, *step, ahead);
         }

@@ -15,6 +15,8 @@ pub enum Action {
     Reflect,
     /// The surface lies inside a solid of higher priority (or between equal media): nothing happens.
     Pass,
+    /// The path ends at an opaque part.
+    Stop,
     /// Through the plate: plane symmetry, in one plane or in one for each layer.
     Plate,
 }
@@ -61,6 +63,11 @@ pub enum End {
     },
     /// Total internal reflection in this element, and the scene does not ask to follow it.
     TotalReflection {
+        /// Index of the element.
+        element: u16,
+    },
+    /// It met this element, which is opaque.
+    Stopped {
         /// Index of the element.
         element: u16,
     },

@@ -26,6 +26,8 @@ pub enum Matter {
         /// Reflectance by linear R, G, B.
         reflectance: [f64; 3],
     },
+    /// It stops all light.
+    Opaque,
 }
 
 /// A distortive object in its place.
@@ -44,6 +46,8 @@ pub struct Element {
     /// For a refractive solid: its place in the order of priority, unique among the solids, the higher one
     /// fills where several overlap.
     pub rank: u8,
+    /// The element whose inside it is, by its index in the set-up; it stands after the elements that the scene describes.
+    pub inside_of: Option<usize>,
 }
 
 impl Element {
@@ -216,6 +220,9 @@ impl Setup {
                 goal_distance = f64::INFINITY;
             }
             if let Some(step) = self.meet(&walk, goal_distance) {
+                if step.action == Action::Stop {
+                    return End::Stopped { element: step.element };
+                }
                 let advanced = self.advance(&ray, &step);
                 let (step, advanced) = if advanced.direction.x.is_nan() {
                     if !self.follow_total_reflection {
@@ -286,7 +293,9 @@ impl Setup {
         let (t, direction, normal) = self.facet(ray, step);
         let origin = ray.at(t);
         let direction = match step.action {
-            Action::Pass | Action::Plate => return Ray { origin, direction: ray.direction },
+            Action::Pass | Action::Stop | Action::Plate => {
+                return Ray { origin, direction: ray.direction };
+            }
             Action::Reflect => reflect(direction, normal),
             Action::Refract { eta } => refract(direction, normal, T::constant(eta)),
         };

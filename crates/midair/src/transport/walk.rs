@@ -45,6 +45,7 @@ impl Setup {
         let element = &self.elements[index];
         let action = match element.matter {
             Matter::Mirror { .. } => Action::Reflect,
+            Matter::Opaque => Action::Stop,
             Matter::Refractive { .. } => {
                 let before = self.medium_index(walk.inside);
                 let behind = self.medium_index(walk.inside ^ 1 << element.rank);
@@ -105,8 +106,10 @@ impl Setup {
                     Some(Crossing::Leave)
                 }
                 Matter::Refractive { .. } => Some(Crossing::Enter),
-                Matter::Mirror { .. } if element.shape.is_solid() => Some(Crossing::Enter),
-                Matter::Mirror { .. } => None,
+                Matter::Mirror { .. } | Matter::Opaque if element.shape.is_solid() => {
+                    Some(Crossing::Enter)
+                }
+                Matter::Mirror { .. } | Matter::Opaque => None,
             };
             // Light that goes away from a convex solid never comes back to it by itself.
             if stands_here.is_some()
@@ -141,7 +144,7 @@ impl Setup {
     fn order(&self, index: usize, hit: Hit) -> (u8, u8) {
         let Element { matter, rank, .. } = self.elements[index];
         match (matter, hit.crossing) {
-            (Matter::Mirror { .. }, _) => (0, 0),
+            (Matter::Mirror { .. } | Matter::Opaque, _) => (0, 0),
             (Matter::Refractive { .. }, Crossing::Enter) => (1, u8::MAX - rank),
             (Matter::Refractive { .. }, Crossing::Leave) => (2, rank),
         }

@@ -6,13 +6,13 @@ mod parts;
 mod stills;
 mod warper;
 
-use crate::arguments::{GainMode, Size, map_formats, open_map};
+use crate::arguments::{FitMode, GainMode, Proportions, Size, map_formats, open_map};
 use crate::failure::Failure;
 use crate::summary::Voice;
 use clap::ValueEnum;
 use midair::map::format::{Format, Reading};
 use midair::map::{Gain, Map};
-use midair::picture::{Evening, Filter, READ, Sequence, is_picture, is_picture_name};
+use midair::picture::{Crop, Evening, Filter, Fit, READ, Sequence, is_picture, is_picture_name};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
@@ -46,6 +46,12 @@ pub struct Arguments {
     /// Region of an MPCDI map that has several, one for each projector
     #[arg(long, value_name = "ID")]
     region: Option<String>,
+    /// How frames of other proportions fill the image; needs --proportions, which the map does not know
+    #[arg(long, value_enum, default_value_t, requires = "proportions")]
+    fit: FitMode,
+    /// Width and height of the scene's image, in any unit, for --fit
+    #[arg(long, value_name = "W:H")]
+    proportions: Option<Proportions>,
     /// Filter for films; pictures always use sharp
     #[arg(long, value_enum, default_value_t)]
     filter: FilterName,
@@ -93,8 +99,17 @@ impl Arguments {
         }
     }
 
+    /// What is shown of pictures of `size` pixels.
+    fn crop(&self, size: [usize; 2]) -> Crop {
+        match self.proportions {
+            Some(Proportions(image)) => self.fit.fit().crop(size, image),
+            None => Fit::Stretch.crop(size, [1.0, 1.0]),
+        }
+    }
+
     /// The map for pictures of `size` pixels.
     fn read_map(&self, size: [usize; 2]) -> Result<Ready, Failure> {
+        let size = self.crop(size).to;
         let size = self.source.map_or(size, |Size(size)| size);
         let region = self.region.as_deref();
         let loaded =

@@ -58,6 +58,7 @@ fn description(arguments: &Arguments, map: &Map) -> Value {
         "changed": changed.map(|time| format!("{}.{:09}", time.as_secs(), time.subsec_nanos())),
         "gain": arguments.gain.map(|mode| mode.overflow().name()),
         "no_gain": arguments.no_gain,
+        "fit": format!("{:?} {:?}", arguments.fit, arguments.proportions),
         "filter": format!("{:?}", arguments.filter),
         "rate": arguments.rate,
         "piece": arguments.piece,

@@ -24,7 +24,8 @@ pub fn one(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let (mut output, name) = crate::output::of_file(&arguments.output)?;
     let start = Instant::now();
     let depth = depth_for(&arguments.output, still.depth);
-    let mut shown = display_image(&still.picture, &map);
+    let crop = arguments.crop([still.picture.width, still.picture.height]);
+    let mut shown = display_image(&crop.picture(&still.picture), &map);
     if let Some((gain, mode)) = gain {
         let even = even_out(&shown, &gain, mode.overflow());
         notes.push(evened(mode, even.level));
@@ -95,7 +96,8 @@ pub fn each(
             ));
         }
         let target = to.file(number);
-        let mut shown = display_image(&still.picture, &map);
+        let crop = arguments.crop([still.picture.width, still.picture.height]);
+        let mut shown = display_image(&crop.picture(&still.picture), &map);
         if let Some(evening) = &evening {
             evening.apply(&mut shown);
         }

@@ -5,11 +5,13 @@ use crate::failure::Failure;
 use midair::map::Map;
 use midair::picture::colour::ToSrgb;
 use midair::picture::{
-    Curve, DeepScratch, Drive, Evening, LightFrame, Picture, Warp, WarpError, srgb, wide,
+    Crop, Curve, DeepScratch, Drive, Evening, LightFrame, Picture, Warp, WarpError, srgb, wide,
 };
 
 /// A map made ready, and how its frames are coded.
 pub struct Warper {
+    /// What is shown of a frame.
+    crop: Crop,
     warp: Warp,
     /// With the gain that is divided out.
     drive: Drive,
@@ -29,15 +31,31 @@ impl Warper {
         deep: bool,
         curve: Curve,
     ) -> Result<Self, Failure> {
-        let warp = Warp::new(map, size, arguments.filter()).map_err(unfit)?;
+        let crop = arguments.crop(size);
+        let warp = Warp::new(map, crop.to, arguments.filter()).map_err(unfit)?;
         let drive = Drive::default().with_evening(evening);
         let (light, scratch) = (LightFrame::default(), DeepScratch::default());
-        Ok(Self { warp, drive, deep, curve, light, scratch, samples: [Vec::new(), Vec::new()] })
+        Ok(Self {
+            crop,
+            warp,
+            drive,
+            deep,
+            curve,
+            light,
+            scratch,
+            samples: [Vec::new(), Vec::new()],
+        })
     }
 
     /// The display's frame for a film's frame.
     pub fn apply(&mut self, frame: &[u8]) -> Result<Vec<u8>, Failure> {
         let [width, height] = self.warp.size();
+        let bytes = if self.deep { 6 } else { 3 };
+        let [columns, rows] = self.crop.from;
+        // A frame of another size is refused below.
+        let cropped = (!self.crop.is_whole() && frame.len() == columns * rows * bytes)
+            .then(|| self.crop.frame(frame, bytes));
+        let frame = cropped.as_deref().unwrap_or(frame);
         if !self.deep {
             let mut output = vec![0; width * height * 3];
             self.light.decode(frame, 3).map_err(unfit)?;

@@ -1,6 +1,8 @@
 //! `midair compensate`: the map, and what the display must show.
 
-use crate::arguments::{GainMode, Size, check_view, map_formats, open_picture, open_scene};
+use crate::arguments::{
+    FitMode, GainMode, Size, check_view, map_formats, open_picture, open_scene,
+};
 use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::summary::{Voice, counts_line, paths, percent, timings, wrote};
@@ -34,6 +36,9 @@ pub struct Arguments {
     /// Picture that the mid-air image is to show: PNG, JPEG, TIFF, WebP, BMP or OpenEXR
     #[arg(long, value_name = "FILE")]
     image: Option<PathBuf>,
+    /// How a picture of other proportions fills the image
+    #[arg(long, value_enum, default_value_t, requires = "image")]
+    fit: FitMode,
     /// Folder for all that is written
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -96,7 +101,8 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     laps.lap("map");
     let mut brightness = None;
     if let Some(still) = &mut still {
-        notes.extend(stretch_note(&setup, &still.picture));
+        notes.extend(fit_note(&setup, &still.picture, arguments.fit));
+        still.picture = arguments.fit.apply(&setup, &still.picture);
         let mut light = compensation.light(&still.picture);
         laps.lap("colour");
         if arguments.optimal {
@@ -179,15 +185,24 @@ pub fn write_report(output: &mut Output, report: &Value) -> Result<(), Failure> 
     })?)
 }
 
-/// Says so if the picture's proportions are not the image's.
-pub fn stretch_note(setup: &Setup, picture: &Picture) -> Option<String> {
+/// Says what becomes of a picture whose proportions are not the image's.
+pub fn fit_note(setup: &Setup, picture: &Picture, fit: FitMode) -> Option<String> {
     let picture_shape = picture.width as f64 / picture.height as f64;
     let image_shape = setup.image.size[0] / setup.image.size[1];
     // A pixel more or less is rounding.
     let slack = 1.0 / picture.width.min(picture.height) as f64;
     ((picture_shape / image_shape - 1.0).abs() > slack.max(0.005)).then(|| {
+        let how = match fit {
+            FitMode::Stretch => "is stretched over the image",
+            FitMode::Contain => "has black beside it on the image",
+            FitMode::Cover => "is cut off at the edges of the image",
+        };
+        let other = match fit {
+            FitMode::Stretch => "; --fit contain or --fit cover keeps its proportions",
+            FitMode::Contain | FitMode::Cover => "",
+        };
         format!(
-            "the picture ({} x {} pixels) is stretched over the image ({} x {} mm)",
+            "the picture ({} x {} pixels) {how} ({} x {} mm){other}",
             picture.width, picture.height, setup.image.size[0], setup.image.size[1]
         )
     })

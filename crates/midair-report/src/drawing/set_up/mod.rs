@@ -19,6 +19,7 @@ fn ink(role: Role) -> &'static str {
         Role::Image => "#009e73",
         Role::Solid => "#6b5b95",
         Role::Mirror => "#8a6d00",
+        Role::Opaque => "#4a4a4a",
     }
 }
 
@@ -30,6 +31,7 @@ fn fill(role: Role) -> &'static str {
         Role::Image => "#8fd9c0",
         Role::Solid => "#c3bbdd",
         Role::Mirror => "#e3d39a",
+        Role::Opaque => "#8c8c8c",
     }
 }
 

@@ -45,7 +45,7 @@ pub fn picture(layout: &Layout, name: &str) -> String {
     for body in farthest_first(layout, &view) {
         let opacity = match body.role {
             Role::Display => 0.9,
-            Role::Image => 0.75,
+            Role::Image | Role::Opaque => 0.75,
             Role::Plate | Role::Solid | Role::Mirror => 0.35,
         };
         paint(&mut vector, body, &view, &at, Pens { opacity, contour: 0.4, lines: 0.3 });

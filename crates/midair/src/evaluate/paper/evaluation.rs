@@ -1,10 +1,10 @@
 //! What the paper's evaluation yields, as data: likeness of views, displacement over azimuth, the paper's own figures beside.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 /// Likeness of a view to its reference (the same image without the object).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Scores {
     /// SSIM, mean over colour channels; 1 is equal.
     pub ssim: f64,
@@ -15,7 +15,7 @@ pub struct Scores {
 }
 
 /// One image seen through (or on) one surface.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Quality {
     /// Name of the surface: its rows are gathered by it.
     pub surface: String,
@@ -31,7 +31,7 @@ pub struct Quality {
 }
 
 /// The lattice's mean displacement over the camera's azimuth, at one surface.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Shape {
     /// Name of the surface.
     pub surface: String,
@@ -46,7 +46,7 @@ pub struct Shape {
 }
 
 /// Mean displacements under three conditions, pixels; `None` where there is none.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Displacements {
     /// Compensated for the place of the camera.
     pub with: Option<f64>,
@@ -69,7 +69,7 @@ impl Displacements {
 }
 
 /// The lattice's mean displacement seen from one place.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ShapeView {
     /// Degrees; 0 is the viewpoint that is compensated for.
     pub azimuth: f64,
@@ -211,6 +211,8 @@ pub fn surfaces(rows: &[Quality]) -> Vec<&str> {
 /// All that the paper's evaluation yields.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Evaluation {
+    /// Whether the set-ups are the paper's: its figures then stand beside.
+    pub published: bool,
     /// Table 1.
     pub quality: Vec<Quality>,
     /// Figure 7, a surface each.
@@ -276,18 +278,21 @@ impl Evaluation {
         let published_shapes = PUBLISHED_DISPLACEMENT
             .iter()
             .map(|one| json!({"surface": one.surface, "with": one.with, "without": one.without}));
-        json!({
+        let mut told = json!({
             "quality": quality.collect::<Vec<_>>(),
             "means": means.collect::<Vec<_>>(),
             "shapes": shapes.collect::<Vec<_>>(),
-            "published": {
-                "quality": published_quality.collect::<Vec<_>>(),
-                "displacement": published_shapes.collect::<Vec<_>>(),
-            },
             "assumptions": self.assumptions,
             "differences": self.differences,
             "notes": self.notes,
-        })
+        });
+        if self.published {
+            told["published"] = json!({
+                "quality": published_quality.collect::<Vec<_>>(),
+                "displacement": published_shapes.collect::<Vec<_>>(),
+            });
+        }
+        told
     }
 }
 
@@ -300,7 +305,7 @@ mod tests {
         let without = Scores { lpips: Some(0.6), ..Scores::default() };
         let last = Quality { without, ..Quality::default() };
         let quality = vec![Quality::default(), Quality::default(), last];
-        let evaluation = Evaluation { quality, ..Evaluation::default() };
+        let evaluation = Evaluation { published: true, quality, ..Evaluation::default() };
         let json = evaluation.to_json();
         assert_eq!(json["quality"][2]["without"]["lpips"], 0.6);
         assert_eq!(json["quality"][1]["with"]["lpips"], Value::Null);

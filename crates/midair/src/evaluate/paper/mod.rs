@@ -4,6 +4,7 @@
 //! [`quality`] is its table 1 and figure 8 (likeness of photographs), [`shape`] its figure 7 (displacement of a
 //! lattice over the camera's azimuth); [`Evaluation`] holds what both found.
 
+mod csv;
 mod evaluation;
 mod run;
 mod stage;

@@ -21,7 +21,9 @@ pub(super) fn findings(setup: &Setup, scene: &Scene) -> Vec<Finding> {
     for (i, a) in setup.elements.iter().enumerate() {
         for (j, b) in setup.elements.iter().enumerate().skip(i + 1) {
             let stated = |k: usize| scene.elements.get(k).is_some_and(|e| e.priority.is_some());
-            let stated = stated(i) || stated(j);
+            // What is inside of a hollow thing is there on purpose.
+            let nested = a.inside_of.is_some() || b.inside_of.is_some();
+            let stated = nested || stated(i) || stated(j);
             findings.extend(two_elements(a, b, stated).or_else(|| two_elements(b, a, stated)));
         }
     }
@@ -54,7 +56,8 @@ impl Crowd {
 fn crowded(setup: &Setup) -> Vec<Crowd> {
     let (plate, display, image) = (&setup.plate.rectangle, &setup.display, &setup.image);
     let mut crowds = Vec::new();
-    for (i, element) in setup.elements.iter().enumerate() {
+    // What is inside of a thing stands in no more than the thing does.
+    for (i, element) in setup.elements.iter().enumerate().filter(|(_, e)| e.inside_of.is_none()) {
         if stands_in(element, plate) {
             crowds.push(Crowd::Plate(i));
         }

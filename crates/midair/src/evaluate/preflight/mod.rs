@@ -83,6 +83,10 @@ pub fn reason(setup: &Setup, point: ImagePoint) -> String {
             let name = setup.elements.get(usize::from(element)).map_or("?", |e| &e.name);
             format!("total internal reflection in \"{name}\"")
         }
+        ImagePoint::Stopped(element) => {
+            let name = setup.elements.get(usize::from(element)).map_or("?", |e| &e.name);
+            format!("\"{name}\" is in the way")
+        }
         ImagePoint::MissedPlate => "its light goes past the plate".to_owned(),
         ImagePoint::PlateBehind => "its light meets the plate from behind".to_owned(),
         ImagePoint::MissedDisplay => "its light goes past the display".to_owned(),
@@ -119,6 +123,9 @@ fn not_formed(
             ImagePoint::TotalReflection(_) => lost.remedy(
                 "turn the object or move the eye until the light meets its faces less obliquely, or make the image smaller; \
                  follow_total_reflection = true follows the light further",
+            ),
+            ImagePoint::Stopped(_) => lost.remedy(
+                "move it out of the light's way, or the image; midair draw shows both",
             ),
             ImagePoint::PlateBehind => {
                 lost.remedy("the plate's front is its local +z: turn it, or move the object that sends the light round")

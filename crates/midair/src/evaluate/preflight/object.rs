@@ -22,8 +22,9 @@ fn solids(setup: &Setup) -> impl Iterator<Item = &Element> {
 
 /// A scene file that says so is refused; a set-up that a program made is told.
 fn eye_inside(setup: &Setup) -> Vec<Finding> {
-    let around = setup.elements.iter().filter(|element| element.holds(setup.viewpoint));
-    around
+    let described = setup.elements.iter().filter(|element| element.inside_of.is_none());
+    described
+        .filter(|element| element.holds(setup.viewpoint))
         .map(|element| {
             let sentence = format!("the viewpoint lies inside \"{}\"", element.name);
             Finding::new(Kind::EyeInside, Severity::Fault, sentence)
@@ -45,7 +46,7 @@ fn unmet(setup: &Setup) -> Vec<Finding> {
     let mut findings = Vec::new();
     for (i, element) in setup.elements.iter().enumerate() {
         let belongs = || (0..met.len()).any(|j| met[j] && boxes_meet(element, &setup.elements[j]));
-        if met[i] || belongs() {
+        if met[i] || element.inside_of.is_some() || belongs() {
             continue;
         }
         let sentence = format!("no light between the image and the eye meets \"{}\"", element.name);

@@ -64,7 +64,7 @@ fn for_one_number(key: &Key, number: f64) -> String {
 /// What to write instead of a number in quotes.
 pub(super) fn number_in_text(key: &Key, text: &str) -> String {
     let rule = match key.unit {
-        Some("mm") => "lengths are plain numbers in millimetres".to_owned(),
+        Some("mm") => "lengths are numbers in millimetres, or texts such as \"5 cm\"".to_owned(),
         Some(unit) => format!("this is a plain number ({unit}), without quotes or unit"),
         None => "this is a plain number, without quotes or unit".to_owned(),
     };
@@ -91,6 +91,8 @@ pub(super) fn numeric(kind: &Kind) -> bool {
             | Kind::Integers(..)
             | Kind::Colour(..)
             | Kind::Rows(..)
+            | Kind::List(..)
+            | Kind::Points(..)
     )
 }
 
@@ -105,6 +107,8 @@ pub(super) fn wanted(kind: &Kind) -> String {
         Kind::Integers(len, ..) => format!("a list of {len} whole numbers"),
         Kind::Colour(..) => "a number or a list of 3".to_owned(),
         Kind::Rows(..) => "a list of rows of numbers".to_owned(),
+        Kind::List(..) => "a list of numbers".to_owned(),
+        Kind::Points(..) => "a list of points [.., ..]".to_owned(),
         Kind::Block(_) | Kind::Variants(_) => "a block of keys".to_owned(),
         Kind::Blocks(_) => "a list of blocks".to_owned(),
     }
@@ -130,6 +134,8 @@ pub(super) fn example(key: &Key) -> String {
         Kind::Integers(len, ..) => format!("`{name} = [{}]`", vec!["1024"; *len].join(", ")),
         Kind::Colour(..) => format!("`{name} = 0.9` or `{name} = [0.9, 0.9, 0.9]`"),
         Kind::Rows(..) => format!("`{name} = [[0.0, 0.0], [0.0, 0.0]]`"),
+        Kind::List(..) => format!("`{name} = [1e-5]`"),
+        Kind::Points(..) => format!("`{name} = [[20.0, -40.0], [30.0, 0.0], [20.0, 40.0]]`"),
         Kind::Choice(choices) => format!("`{name} = \"{}\"`", choices.first().unwrap_or(&"")),
         Kind::Glass => format!("`{name} = \"N-BK7\"`"),
         Kind::Block(_) | Kind::Variants(_) => format!("a block `{name}`"),
@@ -151,11 +157,7 @@ pub(super) fn quoted<'a>(names: impl Iterator<Item = &'a str>) -> String {
 }
 
 /// "did you mean" for the nearest name, then all of them.
-pub(super) fn suggestion<'a>(
-    given: &str,
-    known: impl Iterator<Item = &'a str> + Clone,
-    all: &str,
-) -> String {
+pub(super) fn suggestion<'a>(given: &str, known: impl Iterator<Item = &'a str> + Clone, all: &str) -> String {
     match nearest(given, known) {
         Some(name) => format!("did you mean `{name}`? {all}"),
         None => all.to_owned(),
@@ -163,7 +165,7 @@ pub(super) fn suggestion<'a>(
 }
 
 /// Words that people use, and what they are called here: too far apart for a typing error.
-const WORDS: [(&str, &str); 30] = [
+const WORDS: [(&str, &str); 43] = [
     ("cube", "box"),
     ("cuboid", "box"),
     ("block", "box"),
@@ -173,6 +175,19 @@ const WORDS: [(&str, &str); 30] = [
     ("tube", "cylinder"),
     ("frustum", "cone"),
     ("egg", "ellipsoid"),
+    ("bottle", "lathe"),
+    ("vase", "lathe"),
+    ("bowl", "lathe"),
+    ("glass", "lathe"),
+    ("revolution", "lathe"),
+    ("turned", "lathe"),
+    ("dome", "hemisphere"),
+    ("ring", "torus"),
+    ("donut", "torus"),
+    ("wedge", "prism"),
+    ("extrusion", "prism"),
+    ("hollow", "wall"),
+    ("liquid", "fill"),
     ("flat", "plane"),
     ("mirror", "plane"),
     ("model", "mesh"),
@@ -197,10 +212,7 @@ const WORDS: [(&str, &str); 30] = [
 ];
 
 /// The known name that was probably meant.
-pub(super) fn nearest<'a>(
-    given: &str,
-    known: impl Iterator<Item = &'a str> + Clone,
-) -> Option<&'a str> {
+pub(super) fn nearest<'a>(given: &str, known: impl Iterator<Item = &'a str> + Clone) -> Option<&'a str> {
     let given = shortened(given).to_lowercase();
     if let Some((_, meant)) = WORDS.iter().find(|(word, _)| *word == given)
         && let Some(name) = known.clone().find(|name| name == meant)

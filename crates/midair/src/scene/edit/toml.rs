@@ -64,7 +64,9 @@ fn replace(item: &mut Item, value: &Setting) {
     match (old, value) {
         (Value::Array(list), Setting::Numbers(new)) if list.len() == new.len() => {
             for (old, &new) in list.iter_mut().zip(new) {
-                let same = old.as_float().or(old.as_integer().map(|i| i as f64)) == Some(new);
+                let written = old.as_str().and_then(super::super::tree::measured);
+                let written = written.or(old.as_float()).or(old.as_integer().map(|i| i as f64));
+                let same = written == Some(new);
                 if !same {
                     exchange(old, new.into());
                 }

@@ -14,7 +14,7 @@ fn mistakes_are_named_with_line_and_remedy() {
         (with("[viewpoint]", "[viewpont]"), 3, &["`viewpont`"], &["`viewpoint`"]),
         (with("size = [20, 20.0]\n", ""), 5, &["the image lacks the key `size`"], &["size ="]),
         (with("radius = 25.0", "radius = \"25\""), 15, &["a text"], &["millimetres", "25.0"]),
-        (with("radius = 25.0", "radius = \"2.5 cm\""), 15, &["a text"], &["write 25.0"]),
+        (with("radius = 25.0", "radius = \"2.5 ells\""), 15, &["a text"], &["\"5 cm\""]),
         (with("radius = 25.0", "radius = [25.0]"), 15, &["a list", "a number"], &["radius = 50.0"]),
         (with("radius = 25.0", "radius = nan"), 15, &["not a finite number"], &["radius = 50.0"]),
         (with("radius = 25.0", "radius = inf"), 15, &["not a finite number"], &[]),

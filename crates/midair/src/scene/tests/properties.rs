@@ -185,6 +185,7 @@ fn element_strategy() -> impl Strategy<Value = Element> {
             pose,
             material,
             priority,
+            hollow: None,
         })
 }
 
