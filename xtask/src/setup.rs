@@ -97,7 +97,8 @@ fn blender() -> Result<()> {
 /// `pip install` of an environment's Python; what to install follows.
 pub fn pip_install(python: &Path) -> Command {
     let mut pip = Command::new(python);
-    pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
+    // Modules are compiled when they are first imported, which most of them never are.
+    pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-compile"]);
     pip
 }
 

@@ -15,9 +15,9 @@ def test_a_scene_s_error_names_file_line_and_remedy(tmp_path):
     with pytest.raises(midair.SceneError) as caught:
         midair.Scene(path)
     error = caught.value
-    assert (error.file, error.line) == (str(path), 6)
+    assert (error.file, error.line) == (str(path), 7)
     assert error.remedy and "size" in error.remedy and error.remedy in str(error)
-    assert "sise" in error.message and str(error).startswith(f"{path}:6")
+    assert "sise" in error.message and str(error).startswith(f"{path}:7")
     assert isinstance(error, midair.Error) and isinstance(error, ValueError)
     again = pickle.loads(pickle.dumps(error))
     assert (again.file, again.line, again.remedy, str(again)) == (

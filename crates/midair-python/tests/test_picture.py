@@ -99,9 +99,9 @@ def test_the_view_of_the_compensated_display_is_the_picture(ball):
     inner = np.s_[8:-8, 8:-8]
     # A ramp bends by the curvature of the map over a display pixel: far less than a code of 255.
     assert np.abs(seen - ramp)[inner].max() < 1 / 255
-    # Without compensation it does not.
+    # Without compensation it does not: the ball moves the ramp by 2 to 5 % of the image, towards its rim.
     plain = ball.view(ball.uncompensated_map(resolution=(256, 256)).apply(ramp), size=(128, 128))
-    assert np.abs(plain - ramp)[inner].max() > 20 / 255
+    assert np.abs(plain - ramp)[inner].max() > 4 / 255
 
 
 def test_a_gamma_display_is_sent_its_own_codes(picture):
@@ -131,10 +131,10 @@ def test_the_program_and_python_see_the_same(program, tmp_path, picture, kind):
     else:
         program(
             "view", "ball.toml", "--display", "display.png", "--out", "view.png", "--size", "16x16",
-            "--spp", "16", "--plate", "slit-mirror", "--aperture", "4", "--light", "stray", "--exposure", "2",
+            "--spp", "16", "--plate", "slit-mirror", "--aperture", "4", "--light", "all", "--exposure", "2",
             "--seed", "3", cwd=tmp_path,
         )
-        options = {"size": (16, 16), "spp": 16, "plate": "slit-mirror", "aperture": 4.0, "light": "stray", "seed": 3}
+        options = {"size": (16, 16), "spp": 16, "plate": "slit-mirror", "aperture": 4.0, "light": "all", "seed": 3}
         codes = scene.view(picture, exposure=2.0, **options)
         assert np.array_equal(codes, cv2.imread(str(tmp_path / "view.png"))[..., ::-1])
         # In floats: the same light, not exposed.

@@ -5,6 +5,23 @@ from typing import Any, Literal, TypeAlias, final, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+__all__ = [
+    "Check",
+    "ContentError",
+    "Error",
+    "FileError",
+    "Finding",
+    "Map",
+    "Rays",
+    "RequestError",
+    "Samples",
+    "Scene",
+    "SceneError",
+    "__version__",
+    "load_map",
+    "thread_count",
+    "use_threads",
+]
 __version__: str
 
 _Value: TypeAlias = bool | int | float | str | Sequence[float] | Sequence[Sequence[float]] | NDArray[Any]

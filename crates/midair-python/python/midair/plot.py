@@ -145,7 +145,8 @@ def plate(scene: Scene, *, aperture: float = 4.0, figure: Any = None) -> Any:
 
     told = scene.plate(aperture=aperture)
     figure = _figure(figure, (12.5, 7.6))
-    panels = figure.subplots(2, 3)
+    upper, lower = figure.subfigures(2, 1)
+    panels = (upper.subplots(1, 3), lower.subplots(1, 3))
     directions = told["directions"]
     incidence, azimuth = directions["incidence_degrees"], directions["azimuth_degrees"]
     for axes, (kind, title) in zip(
@@ -156,13 +157,13 @@ def plate(scene: Scene, *, aperture: float = 4.0, figure: Any = None) -> Any:
         luminance = np.asarray(directions[kind], float) @ [0.2126, 0.7152, 0.0722]
         drawn = axes.pcolormesh(incidence, azimuth, luminance, cmap="viridis", vmin=0.0, vmax=1.0)
         axes.set(title=title, xlabel="incidence, degrees", ylabel="azimuth from the plate's +x, degrees")
-    figure.colorbar(drawn, ax=panels[0], label="share of light")
+    upper.colorbar(drawn, ax=panels[0], label="share of light")
 
     seen = told["viewpoints"]
     axes = panels[1][0]
     luminance = np.asarray(seen["luminance"], float)
     drawn = axes.pcolormesh(seen["azimuth_degrees"], seen["elevation_degrees"], luminance, cmap="viridis")
-    figure.colorbar(drawn, ax=axes, label="over the display's")
+    lower.colorbar(drawn, ax=axes, label="over the display's")
     axes.set(
         title="Luminance of the image",
         xlabel="viewer's azimuth, degrees",
@@ -203,8 +204,11 @@ def set_up(scene: Scene, *, uv: ArrayLike | None = None, figure: Any = None) -> 
     layout = scene.layout()
     places = [[0.5, 0.5], [0.5, 1.0], [0.5, 0.0], [0.0, 0.5], [1.0, 0.5]] if uv is None else uv
     rays = scene.trace(np.reshape(np.asarray(places, float), (-1, 2)))
-    figure = _figure(figure, (9.0, 8.5))
-    axes_of = dict(zip(("side", "top"), figure.subplots(2, 1, sharex=True)))
+    limits = {view: _limits(layout, view) for view in ("side", "top")}
+    (left, right), heights = limits["side"][0], [high - low for _, (low, high) in limits.values()]
+    figure = _figure(figure, (9.0, min(12.0, 9.0 * sum(heights) / (right - left) + 1.4)))
+    panels = figure.subplots(2, 1, sharex=True, height_ratios=heights)
+    axes_of = dict(zip(("side", "top"), panels))
     for view, axes in axes_of.items():
         for body in layout["bodies"]:
             colour = _ROLES[body["role"]]
@@ -217,13 +221,19 @@ def set_up(scene: Scene, *, uv: ArrayLike | None = None, figure: Any = None) -> 
                 axes.plot(*line.T, color=colour, linewidth=0.9)
             points = np.vstack([shown["contour"], *shown["lines"]])
             if view == "side":
-                middle, top = points[:, 0].mean(), points[:, 1].max()
+                # The image mostly stands in an element: its name goes below, the element's above.
+                below = body["role"] == "image"
+                level = points[:, 1].min() if below else points[:, 1].max()
+                # Over what reaches so far up: a plate that leans has its name at its end.
+                across = points[np.abs(points[:, 1] - level) <= 0.01 * np.ptp(points[:, 1]), 0]
+                place = (across.mean(), level)
                 axes.annotate(
                     body["name"],
-                    (middle, top),
-                    (0, 3),
+                    place,
+                    (0, -3 if below else 3),
                     textcoords="offset points",
                     ha="center",
+                    va="top" if below else "bottom",
                     fontsize=8,
                     color=colour,
                 )
@@ -234,17 +244,41 @@ def set_up(scene: Scene, *, uv: ArrayLike | None = None, figure: Any = None) -> 
             axes.plot(*flat.T, color=_DARK if formed else _VERMILION, linewidth=0.8, linestyle="-" if formed else "--")
             if not formed:
                 axes.plot(*flat[-1], "x", color=_VERMILION, markersize=5)
-        axes.plot(*(layout["eye"] @ layout[f"{view}_axes"].T), "o", color=_DARK, markersize=5)
-        axes.set_aspect("equal", adjustable="datalim")
+        eye = layout["eye"] @ layout[f"{view}_axes"].T
+        axes.plot(*eye, "o", color=_DARK, markersize=5)
+        axes.set_aspect("equal", adjustable="box")
+        axes.set(xlim=limits[view][0], ylim=limits[view][1])
         axes.grid(linewidth=0.3)
-    axes_of["side"].annotate(
-        "viewpoint",
-        layout["eye"] @ layout["side_axes"].T,
-        (0, 6),
-        textcoords="offset points",
-        ha="right",
-        fontsize=8,
-    )
+        far = eye[0] > right
+        if view == "side":
+            axes.annotate(
+                f"to the viewpoint, {eye[0]:.0f} mm \u2192" if far else "viewpoint",
+                (0.98, 0.96) if far else eye,
+                (0, 0) if far else (0, 6),
+                xycoords="axes fraction" if far else "data",
+                textcoords="offset points",
+                ha="right",
+                va="top" if far else "bottom",
+                fontsize=8,
+            )
     axes_of["side"].set(title=f"{scene.name}: from the side", ylabel="up, mm")
     axes_of["top"].set(title="From above", xlabel="towards the viewer, mm", ylabel="to the viewer's right, mm")
     return figure
+
+
+def _limits(layout: dict[str, Any], view: str) -> Any:
+    """What is shown of a view: from and to, along both axes. An eye that is far off is left out, as it would leave no room for the rest."""
+    import numpy as np
+
+    bodies = layout["bodies"]
+    points = np.vstack([part for body in bodies for part in (body[view]["contour"], *body[view]["lines"])])
+    low, high = points.min(axis=0), points.max(axis=0)
+    size = max(high - low)
+    eye = layout["eye"] @ layout[f"{view}_axes"].T
+    # The views share their first axis, so that both leave it out or neither.
+    if eye[0] > high[0] + 3 * size:
+        high = np.array([high[0] + 0.6 * size, high[1]])
+    else:
+        low, high = np.minimum(low, eye), np.maximum(high, eye)
+    margin = 0.08 * size
+    return list(zip(low - margin, high + margin))
