@@ -2,7 +2,6 @@
 """From a scene file's text to Blender's objects."""
 
 import json
-import tomllib
 
 import bpy
 
@@ -12,7 +11,7 @@ from . import frames, meshes, plate, properties, render, shapes, solver, surface
 def build(context, text, folder, name):
     """A set-up in the scene, from a scene file's text: its frame. Raises the errors of `solver` before anything is made."""
     found = solver.load(text, folder)
-    values = tomllib.loads(text)
+    values = solver.values(text, folder)
     for element in values.get("element", []):
         meshes.check(element, folder)
     root = bpy.data.objects.new(values.get("name", name), None)
@@ -98,7 +97,8 @@ def _custom(thing, values, before=""):
             continue
         if isinstance(value, dict):
             _custom(thing, value, f"{before}{key}.")
-        elif not (isinstance(value, list) and value and isinstance(value[0], list)):
+        elif not (isinstance(value, list) and (not value or isinstance(value[0], list))):
+            # Rows of numbers have no place among custom properties: the text has them.
             thing[before + key] = value
 
 
@@ -134,6 +134,10 @@ def reshape(thing):
     shape = values["shape"]
     if thing.midair.built == _described(shape):
         return
+    if shape["kind"] in ("lathe", "prism", "height-field"):
+        own = thing.midair.setup.midair
+        rows = solver.values(own.text.as_string(), own.folder)["element"][thing.midair.index]["shape"]
+        shape = {key: value for key, value in rows.items() if isinstance(value, list)} | shape
     faces = shapes.build(shape)
     if faces is not None:
         faces.into(thing.data)
@@ -146,7 +150,7 @@ def reshape(thing):
 
 def place_all(root, found, values=None):
     """Stands everything where the scene says, and gives it its material."""
-    values = values or tomllib.loads(root.midair.text.as_string())
+    values = values or solver.values(root.midair.text.as_string(), root.midair.folder)
     for thing in properties.parts(root):
         role = thing.midair.role
         if role == "ELEMENT":
@@ -181,6 +185,8 @@ def clothe(thing, found):
         made = thing.data.materials[0]
         if stuff.get("mirror"):
             surfaces.mirror(made, stuff.get("reflectance", 1.0))
+        elif stuff.get("opaque"):
+            surfaces.opaque(made)
         else:
             surfaces.glass(made, solver.index(found, thing.midair.index))
 

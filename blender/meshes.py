@@ -30,6 +30,9 @@ READERS = {
 def check(element, folder):
     """Refuses what Blender cannot read, before anything is made of a scene."""
     shape = element["shape"]
+    obstacle = shapes.obstacle(shape)
+    if obstacle:
+        raise Trouble(f"{element.get('name', shape['kind'])}: {obstacle}")
     if shape["kind"] != "mesh":
         return
     path = os.path.join(folder, shape["file"])
@@ -109,13 +112,7 @@ def _read(path):
 
 def heights(thing, shape, refractive):
     """A height field as a mesh, in mm."""
-    import tomllib
-
     rows = shape.get("samples")
-    if rows is None and "file" not in shape:
-        # Rows of numbers have no place among custom properties: the text has them.
-        text = thing.midair.setup.midair.text.as_string()
-        rows = tomllib.loads(text)["element"][thing.midair.index]["shape"]["samples"]
     if rows is None:
         rows = _grey(os.path.join(_folder(thing), shape["file"]))
     amplitude = shape["amplitude"]

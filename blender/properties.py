@@ -30,7 +30,7 @@ BLOCKS = {"VIEWPOINT": "viewpoint", "IMAGE": "image", "PLATE": "plate", "DISPLAY
 
 # First words of the keys that are custom properties; other custom properties of an object are nobody's business here.
 KEYS = {
-    "ELEMENT": {"shape", "material", "absorption", "priority"},
+    "ELEMENT": {"shape", "material", "absorption", "priority", "wall", "open", "fill"},
     "PLATE": {
         *("model", "pitch", "layer_depth", "azimuth", "reflectance", "ior"),
         *("glass_absorption", "cover_glass", "mirror_thickness", "luminance"),

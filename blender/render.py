@@ -2,6 +2,7 @@
 """A camera and settings by which Cycles shows what the viewer sees."""
 
 import bpy
+from mathutils import Vector
 
 from . import frames, properties
 from .solver import Trouble, told
@@ -40,6 +41,27 @@ def is_framed(root):
     camera, image = properties.part(root, "VIEWPOINT"), properties.part(root, "IMAGE")
     x, y, _ = image.rotation_euler.to_quaternion().inverted() @ (camera.location - image.location)
     return max(abs(x), abs(y)) <= SHIFT * image.scale.x
+
+
+def nested(root):
+    """Names of solids that are hollow, or whose bounds meet another's: Cycles knows no media within media."""
+    solids = [
+        thing
+        for thing in properties.elements(root)
+        if not thing.get("material.mirror") and not thing.get("material.opaque")
+    ]
+    found = {thing.name for thing in solids if "wall" in thing}
+    bounds = [_bounds(thing) for thing in solids]
+    for i, (low, high) in enumerate(bounds):
+        for j, (other_low, other_high) in enumerate(bounds):
+            if i != j and all(low[k] <= other_high[k] and other_low[k] <= high[k] for k in range(3)):
+                found.add(solids[i].name)
+    return sorted(found)
+
+
+def _bounds(thing):
+    corners = [thing.matrix_basis @ Vector(corner) for corner in thing.bound_box]
+    return tuple(tuple(choose(corner[k] for corner in corners) for k in range(3)) for choose in (min, max))
 
 
 def set_up(context, root, width, samples):
@@ -94,6 +116,13 @@ class MIDAIR_OT_set_up_render(bpy.types.Operator):
                     "Blender shifts a camera's picture: turn the image towards the viewpoint, or render by a camera of your own"
                 )
             set_up(context, root, self.width, self.samples)
+            names = nested(root)
+            if names:
+                self.report(
+                    {"WARNING"},
+                    f"{', '.join(names)}: Cycles refracts at each surface as if against air: where solids overlap or are "
+                    "hollow, what the viewer sees is shown by `midair view`, not by this render",
+                )
         return outcome()
 
 

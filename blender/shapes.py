@@ -70,6 +70,16 @@ def build(shape):
     return maker(shape) if maker else None
 
 
+def obstacle(shape):
+    """Why a shape cannot be built in Blender, and what helps; None if it can."""
+    kind = shape["kind"]
+    if kind not in MAKERS and kind not in ("mesh", "height-field"):
+        return f"a {kind} is not built in Blender: give it another shape, or make it a mesh"
+    if shape.get("smooth"):
+        return f"a smooth {kind} is not built in Blender: give it straight lines through more points, or make it a mesh"
+    return None
+
+
 def rectangle(mesh):
     """One by one, about the origin, with uv from 0 to 1: +z is its front."""
     mesh.clear_geometry()
@@ -116,10 +126,6 @@ def _box(shape):
 def _frustum(bottom, top, height):
     faces = Faces()
 
-    def circle(radius, y):
-        turns = [2 * pi * i / AROUND for i in range(AROUND)]
-        return [(radius * sin(t), y, radius * cos(t)) for t in turns]
-
     def at(i, j):
         turn = 2 * pi * (i % AROUND) / AROUND
         radius, y = (top, height / 2) if j else (bottom, -height / 2)
@@ -128,9 +134,9 @@ def _frustum(bottom, top, height):
 
     faces.grid(at, AROUND, 1)
     if bottom > 0:
-        faces.flat(circle(bottom, -height / 2)[::-1], (0, -1, 0))
+        faces.flat(_circle(bottom, -height / 2)[::-1], (0, -1, 0))
     if top > 0:
-        faces.flat(circle(top, height / 2), (0, 1, 0))
+        faces.flat(_circle(top, height / 2), (0, 1, 0))
     return faces
 
 
@@ -179,12 +185,133 @@ def _sphere_mirror(shape):
     return faces
 
 
+def _hemisphere(shape):
+    faces = Faces()
+    radius, rows = shape["radius"], AROUND // 4
+
+    def at(i, j):
+        around, up = 2 * pi * (i % AROUND) / AROUND, pi / 2 * j / rows
+        ring = 0.0 if j == rows else cos(up)
+        normal = (ring * sin(around), sin(up), ring * cos(around))
+        return tuple(radius * c for c in normal), normal
+
+    faces.grid(at, AROUND, rows)
+    faces.flat(_circle(radius, 0.0)[::-1], (0, -1, 0))
+    return faces
+
+
+def _torus(shape):
+    faces = Faces()
+
+    def at(i, j):
+        around, over = 2 * pi * (i % AROUND) / AROUND, 2 * pi * (j % AROUND) / AROUND
+        normal = (cos(over) * sin(around), sin(over), cos(over) * cos(around))
+        ring = shape["radius"] + shape["tube"] * cos(over)
+        return (ring * sin(around), shape["tube"] * sin(over), ring * cos(around)), normal
+
+    faces.grid(at, AROUND, AROUND)
+    return faces
+
+
+def _lens(shape):
+    faces = Faces()
+    rim, rows = shape["diameter"] / 2, AROUND // 2
+    conics = shape.get("conic", (0.0, 0.0))
+    edges = []
+    for side, name in ((1, "aspheric_front"), (-1, "aspheric_back")):
+        which = 0 if side > 0 else 1
+        surface = (shape["radii"][which], conics[which], shape.get(name, ()))
+
+        def at(i, j, side=side, surface=surface):
+            # Seen from outside, corners go round against the clock.
+            around = side * 2 * pi * ((AROUND - i) % AROUND) / AROUND
+            r = rim * j / rows
+            fall, slope = _sagitta(r, *surface)
+            x, y = cos(around), sin(around)
+            corner = (r * x, r * y, side * (shape["thickness"] / 2 - fall))
+            return corner, (slope * x, slope * y, side)
+
+        faces.grid(at, AROUND, rows)
+        edges.append(at(0, rows)[0][2])
+
+    def wall(i, j):
+        around = 2 * pi * (i % AROUND) / AROUND
+        x, y = cos(around), sin(around)
+        return (rim * x, rim * y, edges[1 - j]), (x, y, 0)
+
+    faces.grid(wall, AROUND, 1)
+    return faces
+
+
+def _sagitta(r, radius, conic, terms):
+    """How far a surface of revolution has fallen from its vertex at a distance from the axis, and its slope there."""
+    fall = slope = 0.0
+    if radius:
+        root = (1 - (1 + conic) * (r / radius) ** 2) ** 0.5
+        fall, slope = r * r / radius / (1 + root), r / radius / root
+    for k, term in enumerate(terms):
+        power = 4 + 2 * k
+        fall, slope = fall + term * r**power, slope + term * power * r ** (power - 1)
+    return fall, slope
+
+
+def _lathe(shape):
+    profile = [tuple(point) for point in shape["profile"]]
+    if profile[0] != profile[-1]:
+        # Ends off the axis are closed by flat faces.
+        profile = [(0.0, profile[0][1]), *profile, (0.0, profile[-1][1])]
+    pairs = list(zip(profile, profile[1:]))
+    if sum((b[1] - a[1]) * (a[0] ** 2 + a[0] * b[0] + b[0] ** 2) for a, b in pairs) < 0:
+        pairs = [(b, a) for a, b in reversed(pairs)]
+    faces = Faces()
+    for a, b in pairs:
+        if hypot(b[0] - a[0], b[1] - a[1]) < 1e-9 or (a[0] == 0.0 and b[0] == 0.0):
+            continue
+
+        def at(i, j, a=a, b=b):
+            turn = 2 * pi * (i % AROUND) / AROUND
+            radius, y = b if j else a
+            out = b[1] - a[1]
+            return (radius * sin(turn), y, radius * cos(turn)), (out * sin(turn), a[0] - b[0], out * cos(turn))
+
+        faces.grid(at, AROUND, 1)
+    return faces
+
+
+def _prism(shape):
+    outline, half = [tuple(point) for point in shape["outline"]], shape["depth"] / 2
+    if outline[0] == outline[-1]:
+        outline.pop()
+    pairs = list(zip(outline, outline[1:] + outline[:1]))
+    if sum(a[0] * b[1] - b[0] * a[1] for a, b in pairs) < 0:
+        outline.reverse()
+        pairs = list(zip(outline, outline[1:] + outline[:1]))
+    faces = Faces()
+    for a, b in pairs:
+        if hypot(b[0] - a[0], b[1] - a[1]) > 1e-9:
+            corners = [(*a, -half), (*b, -half), (*b, half), (*a, half)]
+            faces.flat(corners, (b[1] - a[1], a[0] - b[0], 0))
+    faces.flat([(*point, half) for point in outline], (0, 0, 1))
+    faces.flat([(*point, -half) for point in reversed(outline)], (0, 0, -1))
+    return faces
+
+
+def _circle(radius, y):
+    turns = [2 * pi * i / AROUND for i in range(AROUND)]
+    return [(radius * sin(turn), y, radius * cos(turn)) for turn in turns]
+
+
 MAKERS = {
     "sphere": lambda shape: _ellipsoid([shape["radius"]] * 3),
     "ellipsoid": lambda shape: _ellipsoid(shape["radii"]),
     "box": _box,
     "cylinder": lambda shape: _frustum(shape["radius"], shape["radius"], shape["height"]),
     "cone": lambda shape: _frustum(shape["radius"], shape.get("top_radius", 0.0), shape["height"]),
+    "hemisphere": _hemisphere,
+    "torus": _torus,
+    "lens": _lens,
+    "lathe": _lathe,
+    "prism": _prism,
     "plane": _plane,
     "cylinder-mirror": _cylinder_mirror,
     "sphere-mirror": _sphere_mirror,
@@ -232,6 +359,8 @@ def scaled(shape, factors):
     x, y, z = factors
     alike = abs(x - y) < 1e-5 * abs(x) and abs(x - z) < 1e-5 * abs(x)
     kind = shape["kind"]
+    if kind in ("lathe", "prism") or "aspheric_front" in shape or "aspheric_back" in shape:
+        raise ValueError(f"a {kind} is not scaled: change its numbers in the scene's text and press Rebuild")
     if kind == "box":
         return {"size": [a * b for a, b in zip(shape["size"], factors)]}
     if kind == "ellipsoid":
@@ -245,8 +374,13 @@ def scaled(shape, factors):
         return lengths
     if not alike:
         raise ValueError(REMEDIES.get(kind, f"a {kind} can only be scaled alike in all directions"))
-    if kind == "sphere":
+    if kind in ("sphere", "hemisphere"):
         return {"radius": shape["radius"] * x}
+    if kind == "torus":
+        return {key: shape[key] * x for key in ("radius", "tube")}
+    if kind == "lens":
+        lengths = {key: shape[key] * x for key in ("thickness", "diameter")}
+        return {"radii": [radius * x for radius in shape["radii"]], **lengths}
     if kind == "cylinder-mirror":
         return {"radius": shape["radius"] * x, "size": [length * x for length in shape["size"]]}
     if kind == "sphere-mirror":

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the add-on asks of midair, and its errors as words: no other module calls midair."""
 
+import re
+import tomllib
 from contextlib import contextmanager
 
 
@@ -37,6 +39,37 @@ def load(text, folder):
 
     # A text is told from a path by its line breaks.
     return midair.Scene(text + "\n", files=folder)
+
+
+def values(text, folder):
+    """A scene's values as its text gives them, lengths and angles with a unit of their own in millimetres and degrees."""
+    given = tomllib.loads(text)
+    if not _has_units(given):
+        return given
+    import midair
+
+    return _in_own_units(given, tomllib.loads(midair.Scene(given, files=folder).toml))
+
+
+# As scene files write a number with its unit: "5 cm".
+_WITH_UNIT = re.compile(r"\s*[-+]?[\d.]+(e[-+]?\d+)?\s*[a-z°]+\s*", re.IGNORECASE)
+
+
+def _has_units(given):
+    if isinstance(given, dict):
+        return any(map(_has_units, given.values()))
+    if isinstance(given, list):
+        return any(map(_has_units, given))
+    return isinstance(given, str) and _WITH_UNIT.fullmatch(given) is not None
+
+
+def _in_own_units(given, known):
+    """Where a text has a number with its unit, the number that midair reads it as."""
+    if isinstance(given, dict) and isinstance(known, dict):
+        return {key: _in_own_units(value, known.get(key)) for key, value in given.items()}
+    if isinstance(given, list) and given and isinstance(given[0], dict):
+        return [_in_own_units(a, b) for a, b in zip(given, known)]
+    return known if _has_units(given) and known is not None and not isinstance(known, str) else given
 
 
 def changed(text, folder, changes):

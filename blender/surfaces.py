@@ -37,6 +37,15 @@ def mirror(made, reflectance):
     made.diffuse_color = (0.7, 0.7, 0.7, 1.0)
 
 
+def opaque(made):
+    """What stops all light."""
+    tree, out = _new(made)
+    node = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    node.inputs["Color"].default_value = (0.0, 0.0, 0.0, 1.0)
+    tree.links.new(node.outputs[0], out.inputs["Surface"])
+    made.diffuse_color = (0.05, 0.05, 0.05, 1.0)
+
+
 def display(made):
     """The display: its front shows the picture at the uv that the map has for each of its points, its back is dark.
 

@@ -44,6 +44,12 @@ class Camera(unittest.TestCase):
                         compared += 1
         self.assertEqual(compared, 2 * len(EYES) * 8)
 
+    def test_solids_within_solids_are_named(self):
+        render = bench.module("render")
+        self.assertEqual(render.nested(bench.imported(bench.SCENES / "ball-on-mirror.toml")), [])
+        root = bench.imported(bench.SCENES / "glass-of-water.toml")
+        self.assertEqual(render.nested(root), ["air above the water", "glass", "water"])
+
     def test_an_eye_too_far_aside_is_told_in_words(self):
         bench.empty()
         bpy.ops.midair.add(element="NONE")
