@@ -18,6 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         predict: None,
         gain: None,
         figures: true,
+        blank_after: None,
     };
     let (clock, spent) = (Clock::start(), Spent::default());
     let (mut show, mut solver) = (Show::new(loaded, settings), Solver::default());

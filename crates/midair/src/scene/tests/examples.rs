@@ -114,5 +114,8 @@ fn schema_and_reader_know_the_same_keys() {
     written.insert("$schema".into());
     // A display described so is written by its size and resolution.
     written.extend(["diagonal_inches", "portrait", "ppi"].map(String::from));
+    // Swept, hollow and opaque elements are written and read in tests of their own.
+    let solids = "aspheric_back aspheric_front conic fill opaque open outline profile smooth thickness tube wall";
+    written.extend(solids.split(' ').map(String::from));
     assert_eq!(known, written);
 }

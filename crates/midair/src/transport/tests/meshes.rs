@@ -32,7 +32,7 @@ fn media_that_touch_have_nothing_between() {
         let at_surface = |step: &Step| {
             let index = match setup.elements[usize::from(step.element)].matter {
                 Matter::Refractive { index, .. } => index,
-                Matter::Mirror { .. } => 0.0,
+                Matter::Mirror { .. } | Matter::Opaque => 0.0,
             };
             // The water's upper end and the lower end of the air on it; their other ends touch nothing of the other.
             let face = if index > 1.3 { 4 } else { 3 };
