@@ -81,6 +81,7 @@ pub fn trace<'py>(
                 Action::Reflect => (step.element as i16, 2),
                 Action::Pass => (step.element as i16, 3),
                 Action::Plate => (PLATE, 4),
+                Action::Stop => (step.element as i16, 5),
             };
         }
         if matches!(course.end, End::Display { .. }) {
@@ -111,5 +112,6 @@ fn end_code(end: End) -> u8 {
         End::PlateBehind => 3,
         End::Display { .. } | End::MissedDisplay => 4,
         End::TooManyInteractions => 5,
+        End::Stopped { .. } => 6,
     }
 }

@@ -14,8 +14,8 @@ use crate::threads::work;
 use crate::view::{Options, view};
 use files::Files;
 use midair::compensate::{self, Compensation, Method, uncompensated_map};
-use midair::evaluate::layout::Layout;
 use midair::evaluate::character::Character;
+use midair::evaluate::layout::Layout;
 use midair::evaluate::{preflight, tolerance};
 use midair::geometry::Vec3;
 use midair::map::Accuracy;
@@ -155,7 +155,7 @@ impl Scene {
         };
         match found.map(|element| element.matter) {
             Some(Matter::Refractive { index, .. }) => Ok(Some(index)),
-            Some(Matter::Mirror { .. }) => Ok(None),
+            Some(Matter::Mirror { .. } | Matter::Opaque) => Ok(None),
             None => {
                 let message = format!("there is no element {}", shown(element));
                 let names: Vec<_> = elements.iter().map(|element| &element.name[..]).collect();

@@ -41,6 +41,7 @@ fn of_body<'py>(py: Python<'py>, body: &Body, layout: &Layout) -> PyResult<Bound
         Role::Image => "image",
         Role::Solid => "solid",
         Role::Mirror => "mirror",
+        Role::Opaque => "opaque",
     };
     dict.set_item("role", role)?;
     dict.set_item("name", &body.name)?;

@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::summary::{Voice, milliseconds, paths, wrote};
 use midair::Monitor as _;
-use midair::evaluate::orbit::{Settings, orbit};
+use midair::evaluate::orbit::{Seen, Settings, orbit};
 use midair::files::write_bytes_atomically;
 use midair::measure::lattice::LatticeStyle;
 use midair::picture::{Depth, Picture, srgb, write_still};

@@ -31,6 +31,8 @@ class End(IntEnum):
     """Past the display, or away from its front."""
     TOO_MANY_INTERACTIONS = 5
     """At the limit of interactions that the scene allows."""
+    STOPPED = 6
+    """At an opaque element."""
 
 
 class Action(IntEnum):
@@ -46,6 +48,8 @@ class Action(IntEnum):
     """It passes a surface inside a solid of higher priority, or between equal media."""
     PLATE = 4
     """It passes the plate."""
+    STOP = 5
+    """It ends at an opaque element."""
 
 
 class Met(IntEnum):

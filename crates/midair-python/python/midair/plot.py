@@ -31,6 +31,7 @@ _ROLES = {
     "image": _VERMILION,
     "solid": _SKY,
     "mirror": _GREY,
+    "opaque": _GREY,
 }
 
 

@@ -157,7 +157,11 @@ pub(super) fn quoted<'a>(names: impl Iterator<Item = &'a str>) -> String {
 }
 
 /// "did you mean" for the nearest name, then all of them.
-pub(super) fn suggestion<'a>(given: &str, known: impl Iterator<Item = &'a str> + Clone, all: &str) -> String {
+pub(super) fn suggestion<'a>(
+    given: &str,
+    known: impl Iterator<Item = &'a str> + Clone,
+    all: &str,
+) -> String {
     match nearest(given, known) {
         Some(name) => format!("did you mean `{name}`? {all}"),
         None => all.to_owned(),
@@ -212,7 +216,10 @@ const WORDS: [(&str, &str); 43] = [
 ];
 
 /// The known name that was probably meant.
-pub(super) fn nearest<'a>(given: &str, known: impl Iterator<Item = &'a str> + Clone) -> Option<&'a str> {
+pub(super) fn nearest<'a>(
+    given: &str,
+    known: impl Iterator<Item = &'a str> + Clone,
+) -> Option<&'a str> {
     let given = shortened(given).to_lowercase();
     if let Some((_, meant)) = WORDS.iter().find(|(word, _)| *word == given)
         && let Some(name) = known.clone().find(|name| name == meant)
