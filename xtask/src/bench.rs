@@ -1,6 +1,7 @@
 //! `cargo xtask bench`: builds the program and the benchmark table in release mode and runs the latter.
 
-use crate::{process, setup};
+use crate::book::Profile;
+use crate::{process, python, setup};
 use anyhow::Result;
 use clap::Args;
 use std::process::Command;
@@ -29,7 +30,10 @@ pub fn run(options: &Options) -> Result<()> {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let mut build = Command::new(&cargo);
     build.args(["build", "--quiet", "--release", "--package", "midair-cli"]);
+    build.args(["--package", "midair-python"]);
     process::run(build.current_dir(crate::root()))?;
+    python::install()?;
+    python::put_together(Profile::Release)?;
     let mut bench = Command::new(&cargo);
     bench.args(["bench", "--quiet", "--package", "xtask", "--bench", "table", "--"]);
     if options.quick {

@@ -1,11 +1,11 @@
 //! The commands of the README and the book, run as they stand.
 //!
 //! A page's code blocks marked `sh` and `python` are run in their order, in a folder of the page's own with a copy
-//! of `scenes/`, `midair` on the PATH and the Python of `.venv`. Blocks marked `sh,ignore` (or in any other way) are
-//! not. A local link must lead to a file.
+//! of `scenes/`, `midair` on the PATH and the Python of `.venv`, which finds the package `midair`. Blocks marked `sh,ignore`
+//! (or in any other way) are not. A local link must lead to a file.
 
 use crate::test::Tally;
-use crate::{process, reference, setup};
+use crate::{process, python, reference, setup};
 use anyhow::{Context, Result, anyhow, bail};
 use pulldown_cmark::{CodeBlockKind, Event, Parser, Tag, TagEnd};
 use std::path::{Path, PathBuf};
@@ -196,6 +196,7 @@ fn run_block(page: &Path, block: &Block, folder: &Path) -> Result<()> {
     std::fs::write(&script, text)?;
     let mut command = Command::new(program);
     command.arg(&script).current_dir(folder).env("PATH", path_with_midair()?);
+    command.env("PYTHONPATH", python::package_folder());
     let (status, output) = process::run_within(&mut command, LIMIT)?;
     match status {
         Some(status) if status.success() => Ok(()),

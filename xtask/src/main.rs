@@ -8,6 +8,7 @@
 //! cargo xtask blender                Blender's extension as a .zip, with midair's wheel in it
 //! cargo xtask pictures               remake the pictures of the README and the book
 //! cargo xtask reference              bring the book's tables of keys and commands up to date
+//! cargo xtask wheel                  the Python package's wheel
 //! ```
 
 mod bench;
@@ -19,6 +20,7 @@ mod citations;
 mod fuzz;
 mod pictures;
 mod process;
+mod python;
 mod reference;
 mod setup;
 mod test;
@@ -52,6 +54,8 @@ enum Task {
     Pictures,
     /// Bring the book's tables of keys and commands up to date.
     Reference,
+    /// Build the Python package's wheel into target/wheels, and try it in a fresh environment.
+    Wheel,
 }
 
 /// The workspace's root: where this package's folder lies.
@@ -69,6 +73,7 @@ fn main() -> ExitCode {
         Task::Blender(options) => blender::run(&options),
         Task::Pictures => pictures::run().map(|()| true),
         Task::Reference => reference::write().map(|()| true),
+        Task::Wheel => python::wheel().map(|()| true),
     };
     match outcome {
         Ok(true) => ExitCode::SUCCESS,

@@ -11,9 +11,14 @@ pub const TEST_PACKAGES: &str = "xtask/peers/requirements.txt";
 /// See [`TEST_PACKAGES`].
 pub const BENCH_PACKAGES: &str = "xtask/peers/requirements-bench.txt";
 
-/// The environment's Python.
+/// The Python of `.venv`.
 pub fn python() -> PathBuf {
-    crate::root().join(".venv/bin/python3")
+    python_in(&crate::root().join(".venv"))
+}
+
+/// An environment's Python.
+pub fn python_in(environment: &Path) -> PathBuf {
+    environment.join("bin/python3")
 }
 
 /// Installs what is missing; with everything in place the network is not touched. Where an `optional` peer cannot be had, a note says so.
@@ -90,7 +95,7 @@ fn blender() -> Result<()> {
 }
 
 /// `pip install` of an environment's Python; what to install follows.
-fn pip_install(python: &Path) -> Command {
+pub fn pip_install(python: &Path) -> Command {
     let mut pip = Command::new(python);
     pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
     pip
@@ -104,19 +109,26 @@ fn on_path(name: &str) -> bool {
 
 /// Brings the packages of a requirements file into `.venv`, which is made if it is not there.
 pub fn python_packages(requirements: &str) -> Result<()> {
-    if has_packages(requirements)? {
+    packages_into(&crate::root().join(".venv"), requirements)
+}
+
+/// Brings the packages of a requirements file into an environment, which is made if it is not there.
+pub fn packages_into(environment: &Path, requirements: &str) -> Result<()> {
+    let python = python_in(environment);
+    if has_packages(&python, requirements)? {
         return Ok(());
     }
-    if !process::succeeds(Command::new(python()).arg("--version")) {
-        make_environment(&crate::root().join(".venv"))?;
+    if !process::succeeds(Command::new(&python).arg("--version")) {
+        make_environment(environment)?;
     }
-    println!("installing {requirements} into .venv");
-    let mut pip = pip_install(&python());
+    println!("installing {requirements} into {}", environment.display());
+    let mut pip = pip_install(&python);
     process::run(pip.arg("--requirement").arg(requirements).current_dir(crate::root()))
         .with_context(|| format!("the packages of {requirements} cannot be installed"))
 }
 
-fn make_environment(folder: &Path) -> Result<()> {
+/// Makes an environment; one that is there is emptied.
+pub fn make_environment(folder: &Path) -> Result<()> {
     // On Debian `venv` is there without `ensurepip` unless python3-venv is installed.
     if !process::succeeds(Command::new("python3").args(["-c", "import ensurepip, venv"])) {
         apt_install(&["python3", "python3-venv"])?;
@@ -125,14 +137,14 @@ fn make_environment(folder: &Path) -> Result<()> {
     process::run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(folder))
 }
 
-/// Whether `.venv` holds exactly the versions that a requirements file pins.
-fn has_packages(requirements: &str) -> Result<bool> {
+/// Whether an environment holds exactly the versions that a requirements file pins.
+fn has_packages(python: &Path, requirements: &str) -> Result<bool> {
     let path = crate::root().join(requirements);
     let pins = pins(&path)?;
     let program = "import sys, importlib.metadata as m\n\
                    sys.exit(any(m.version(a[0]) != a[1] for a in \
                    (p.split('==') for p in sys.argv[1:])))";
-    Ok(process::succeeds(Command::new(python()).args(["-c", program]).args(pins)))
+    Ok(process::succeeds(Command::new(python).args(["-c", program]).args(pins)))
 }
 
 fn pins(path: &Path) -> Result<Vec<String>> {

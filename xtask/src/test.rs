@@ -1,6 +1,6 @@
 //! `cargo xtask test`: everything that must hold before a change is merged.
 
-use crate::{blender, book, fuzz, process, setup, wasm};
+use crate::{blender, book, fuzz, process, python, setup, wasm};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use midair_peers::Peer;
@@ -34,6 +34,8 @@ enum Step {
     Package,
     /// The commands of the README and the book do what they say.
     Book,
+    /// The Python package does what it says, and its notebooks run.
+    Python,
     /// The library does the same in WebAssembly as here.
     Wasm,
     /// Blender's extension, installed and used.
@@ -125,12 +127,12 @@ impl Step {
             }
             Self::Book => {
                 // The same features as the tests had: there is nothing left to build after them.
-                let built = cargo(&["build", "--quiet", "--workspace", "--all-targets"]);
-                if built.is_err() {
-                    return Tally::of(built);
+                match python::assemble() {
+                    Ok(()) => book::run(),
+                    built => Tally::of(built),
                 }
-                book::run()
             }
+            Self::Python => python::test(),
             Self::Wasm => wasm::run(),
             Self::Blender => blender::test(optional),
             Self::Fuzz => fuzz::test(),

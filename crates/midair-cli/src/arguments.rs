@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use clap::builder::PossibleValuesParser;
 use clap::builder::TypedValueParser as _;
 use midair::map::format::{FileError, Format, LoadedMap, MAX_PIXELS, Reading, decode_map};
-use midair::picture::{Overflow, Still, read_still};
+use midair::picture::{LONGEST, Overflow, Still, read_still};
 use midair::scene::{Loaded, load};
 use std::path::Path;
 use std::str::FromStr;
@@ -35,9 +35,6 @@ impl GainMode {
 /// Width and height in pixels, written `1024x768`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size(pub [usize; 2]);
-
-/// The longest side of a display or view.
-const LONGEST: usize = 32_768;
 
 impl FromStr for Size {
     type Err = String;
@@ -136,23 +133,9 @@ pub fn open_map(path: &Path, reading: &Reading) -> Result<LoadedMap, FileError> 
     decode_map(path, &|file| std::fs::read(file), reading)
 }
 
-/// Rays that one view may have: what they hold in memory grows to 50 bytes each.
-const MOST_RAYS: usize = 1 << 26;
-
 /// Refuses a view that would not fit into memory.
-pub fn check_view([width, height]: [usize; 2], supersampling: usize) -> Result<(), Failure> {
-    let rays = (width as u128) * (height as u128) * (supersampling as u128).pow(2);
-    if rays > MOST_RAYS as u128 {
-        return Err(Failure::new(
-            format!(
-                "a view of {width} x {height} pixels with {supersampling} x {supersampling} rays each is too large"
-            ),
-            format!(
-                "ask for at most {MOST_RAYS} rays in all: a smaller size or less supersampling"
-            ),
-        ));
-    }
-    Ok(())
+pub fn check_view(size: [usize; 2], supersampling: usize) -> Result<(), Failure> {
+    Ok(midair::simulate::check_view(size, supersampling)?)
 }
 
 /// Refuses an output name that is not a picture's before any work is done.

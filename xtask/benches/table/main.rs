@@ -7,6 +7,7 @@
 mod live;
 mod memory;
 mod mitsuba;
+mod python;
 mod rows;
 mod set_ups;
 mod warp;
@@ -52,6 +53,7 @@ fn main() -> Outcome<()> {
     let mut rows = rows::of_midair(&sizes);
     rows.extend(warp::rows(&sizes));
     rows.extend(live::rows(&sizes));
+    rows.extend(python::rows(&sizes));
     if has("--with-mitsuba") {
         rows.extend(mitsuba::rows(&sizes));
     }

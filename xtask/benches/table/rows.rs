@@ -6,7 +6,7 @@ use midair::optics::plate::{Model, SlitMirror, SlitMirrorPlate};
 use midair::picture::display_image;
 use midair::picture::optimal::{ViewSamples, Weighting, optimal_display};
 use midair::simulate::{Camera, Settings, Viewer, render};
-use midair::transport::Setup;
+use midair::transport::{End, Setup};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
@@ -79,6 +79,7 @@ pub fn of_midair(sizes: &Sizes) -> Vec<Row> {
     }
     let ball = format!("map, ball of {} triangles", set_ups::BALL_TRIANGLES);
     rows.push(Row::new(&ball, some, || Ok(map(set_ups::ball()?))));
+    rows.push(Row::new(FORWARD, some, forward));
     rows.push(Row::new("floor: write a map's bytes", often, || Ok(write_bytes())));
     rows.push(Row::new("splat, sphere, 1 spp", some, || scatter("paper/sphere.toml", 1)));
     let spp = sizes.spp;
@@ -113,6 +114,19 @@ fn program(rounds: usize) -> Row {
         Some(program) => Ok(compensate(program)),
         None => Err("the program is not built: cargo build --release -p midair-cli".into()),
     })
+}
+
+/// F as callers of the library ask for it.
+pub const FORWARD: &str = "F at 10^6 image points, cylinder";
+
+fn forward() -> Outcome<Work> {
+    let setup = set_ups::scene("paper/cylinder.toml")?;
+    let uv: Vec<_> = (0..1_000_000).map(|i| pixel_centre(i % 1000, i / 1000, 1000, 1000)).collect();
+    Ok(Box::new(move || {
+        let st = setup.transport_all(&uv, End::formed);
+        let formed = st.iter().filter(|st| st[0].is_finite()).count();
+        Ok(Done { remark: format!("{formed} formed"), ..Done::default() })
+    }))
 }
 
 /// The forward simulator at work.

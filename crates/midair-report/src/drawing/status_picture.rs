@@ -2,19 +2,9 @@
 
 use super::Lettering;
 use crate::percent;
+use midair::evaluate::preflight::Part;
 use midair::map::{Formation, ImagePoint, Map, Status};
 use midair::picture::{Picture, srgb};
-
-/// A kind of image point and how much of the image it is.
-#[derive(Clone, Debug)]
-pub struct Part {
-    /// What becomes of the points.
-    pub point: ImagePoint,
-    /// The same in words.
-    pub name: String,
-    /// Their share of the image.
-    pub share: f64,
-}
 
 /// The longer side of a panel, pixels.
 const PANEL: usize = 512;

@@ -1,7 +1,7 @@
 //! A set-up as it is drawn: its bodies' lines, the light's way, and views of them.
 
 use crate::geometry::{Outline, Shape, Vec3};
-use crate::transport::{End, Matter, Path, Setup};
+use crate::transport::{End, Matter, Setup};
 
 /// What a body is in the set-up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -149,16 +149,8 @@ fn axes(setup: &Setup) -> [Vec3; 3] {
 
 /// The corners of a path that reaches the display through the plate.
 fn course(setup: &Setup, uv: [f64; 2]) -> Option<Vec<Vec3>> {
-    let mut path = Path::new();
-    let mut ray = setup.ray(uv);
-    let End::Display { st, through_plate: true } = setup.trace(ray, &mut path) else { return None };
-    let mut points = vec![ray.origin];
-    for step in &path {
-        ray = setup.advance(&ray, step);
-        points.push(ray.origin);
-    }
-    points.push(setup.display.point(st));
-    Some(points)
+    let course = setup.course(setup.ray(uv));
+    matches!(course.end, End::Display { through_plate: true, .. }).then_some(course.points)
 }
 
 impl Body {

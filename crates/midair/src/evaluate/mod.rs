@@ -23,6 +23,7 @@ pub mod layout;
 pub mod orbit;
 #[cfg(feature = "lpips")]
 pub mod paper;
+pub mod plate;
 pub mod preflight;
 pub mod proof;
 pub mod tolerance;

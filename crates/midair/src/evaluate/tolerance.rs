@@ -9,6 +9,7 @@ use crate::measure::lattice::LatticeStyle;
 use crate::monitor::Monitor;
 use crate::optics::plate::Plate;
 use crate::transport::{Matter, Path, Setup};
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// What is built differently.
@@ -210,6 +211,12 @@ const ITERATIONS: usize = 12;
 /// A step of less of the image's width is rounding.
 const DONE: f64 = 1e-12;
 
+/// Where image points uv of the set-up as described are seen in the one as built, whose display shows what was computed for the former:
+/// uv' where F'(uv') = F(uv). NaN where they are not seen in one of the two.
+pub fn seen(setup: &Setup, built: &Setup, places: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    places.par_iter().map(|&uv| seen_at(setup, built, uv).unwrap_or([f64::NAN; 2])).collect()
+}
+
 /// Where an image point of the set-up as described is seen in the one as built; `None` where it is not seen in one of them.
 fn seen_at(setup: &Setup, built: &Setup, uv: [f64; 2]) -> Option<[f64; 2]> {
     let mut path = Path::new();
@@ -265,6 +272,7 @@ mod tests {
         let built = differently(&bare, Part::Plate, Measure::Forward);
         // 1 mm along z is 1 / sqrt(2) along the normal (0, 1, 1) / sqrt(2): the image moves by (0, 1, 1).
         let seen = seen_at(&bare, &built, [0.5, 0.5]).unwrap();
+        assert_eq!(super::seen(&bare, &built, &[[0.5, 0.5]]), [seen]);
         let expected = 1.0 * 800.0 / 799.0;
         assert!(((seen[1] - 0.5) * 20.0 - expected).abs() < 1e-9, "{seen:?}");
         // A turn by a degree about x through the plate's middle turns the image by two degrees about it, 150 mm behind.

@@ -1,5 +1,27 @@
 //! A picture as the optics sees it.
 
+use crate::Error;
+use crate::map::format::MAX_PIXELS;
+
+/// The longest side of a display or view, pixels.
+pub const LONGEST: usize = 32_768;
+
+/// Whether a display or view may have so many pixels: width, height.
+///
+/// # Errors
+/// What is wrong with them, and what is possible.
+pub fn check_size(size: [usize; 2]) -> Result<(), Error> {
+    let [width, height] = size;
+    let told = format!("{width} x {height} pixels cannot be had");
+    if size.iter().any(|side| !(1..=LONGEST).contains(side)) {
+        return Err(Error::request(told, format!("each side must be from 1 to {LONGEST} pixels")));
+    }
+    if width as u64 * height as u64 > MAX_PIXELS {
+        return Err(Error::request(told, format!("ask for at most {MAX_PIXELS} pixels in all")));
+    }
+    Ok(())
+}
+
 /// A still in linear light: premultiplied RGBA, sRGB primaries, 1.0 = the display's white.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {

@@ -58,6 +58,34 @@ pub(super) enum Kind {
     Variants(&'static [(&'static str, &'static Block)]),
 }
 
+impl Kind {
+    /// Whether it holds keys itself.
+    pub fn is_block(&self) -> bool {
+        matches!(self, Self::Block(_) | Self::Blocks(_) | Self::Variants(_))
+    }
+
+    /// The key of this name in it; of shapes the first that has it.
+    fn key(&self, name: &str) -> Option<&'static Key> {
+        match self {
+            Self::Block(block) | Self::Blocks(block) => block.key(name),
+            Self::Variants(variants) => variants.iter().find_map(|(_, block)| block.key(name)),
+            _ => None,
+        }
+    }
+}
+
+impl Block {
+    fn key(&self, name: &str) -> Option<&'static Key> {
+        self.keys.iter().find(|key| key.name == name)
+    }
+}
+
+/// The key that is reached by these names from the outermost block.
+pub(super) fn key<'a>(mut names: impl Iterator<Item = &'a str>) -> Option<&'static Key> {
+    let first = SCENE.key(names.next()?)?;
+    names.try_fold(first, |key, name| key.kind.key(name))
+}
+
 /// Bounds of a size in mm: a nanometre to a kilometre. Beyond them lies a mistyped unit, and
 /// arithmetic that runs out of digits.
 const SMALLEST: f64 = 1e-6;

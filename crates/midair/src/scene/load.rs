@@ -3,8 +3,10 @@
 use super::assets::{Assets, Folder, Reading};
 use super::error::{SceneError, SceneText};
 use super::heights::{self, Heights};
-use super::model::{HeightSource, Index, Material, Normals, ResponseSource, Scene, Shape};
-use super::{Format, parse_with_places, sense};
+use super::model::{
+    Display, Element, HeightSource, Index, Material, Normals, ResponseSource, Scene, Shape,
+};
+use super::{Format, SceneEdit, parse_with_places, sense, validate};
 use crate::geometry::MeshSurface;
 use crate::geometry::mesh::{self, Surface, TriangleMesh};
 use crate::optics::emission::{Emission, EmissionTable};
@@ -63,6 +65,48 @@ pub struct Loaded {
     pub notes: Vec<String>,
 }
 
+impl Loaded {
+    /// The scene as an edit has it. Files that the change does not concern are not read again: what was made of them is shared.
+    ///
+    /// # Errors
+    /// What [`load`] would refuse of a file that said the same.
+    pub fn changed(&self, edit: &SceneEdit, files: &dyn Assets) -> Result<Self, SceneError> {
+        let (scene, text) = (edit.scene().clone(), edit.places().clone());
+        if !has_same_files(&self.scene, &scene) {
+            return with_files(scene, text, files);
+        }
+        let changed = Self { scene, text, ..self.clone() };
+        validate(&changed)?;
+        Ok(changed)
+    }
+}
+
+/// Whether files say the same for both scenes.
+fn has_same_files(a: &Scene, b: &Scene) -> bool {
+    let shape = |element: &Element| match &element.shape {
+        // A solid's mesh is closed, a mirror's need not be.
+        shape @ (Shape::Mesh { .. } | Shape::HeightField { .. }) => {
+            Some((shape.clone(), matches!(element.material, Material::Mirror { .. })))
+        }
+        _ => None,
+    };
+    let glass = |element: &Element| match &element.material {
+        Material::Refractive { index: Index::File(file), .. } => Some(file.clone()),
+        _ => None,
+    };
+    let display = |scene: &Scene| {
+        let Display { response, black, bits, emission, .. } = scene.display.clone();
+        (response, black, bits, emission)
+    };
+    a.elements.len() == b.elements.len()
+        && a.elements
+            .iter()
+            .zip(&b.elements)
+            .all(|(a, b)| shape(a) == shape(b) && glass(a) == glass(b))
+        && a.plate.luminance == b.plate.luminance
+        && display(a) == display(b)
+}
+
 /// Scene files are read whole; this leaves room for a height-field of a million samples.
 const MOST_BYTES: u64 = 1 << 26;
 
@@ -72,6 +116,17 @@ const MOST_BYTES: u64 = 1 << 26;
 /// # Errors
 /// Files that cannot be read, and all that is wrong with the scene, with its line and a remedy.
 pub fn load(path: &Path) -> Result<Loaded, SceneError> {
+    let (name, text) = (path.display().to_string(), scene_file_text(path)?);
+    let (scene, text) = parse_with_places(&text, &name, Format::of_name(&name))?;
+    let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
+    with_files(scene, text, &Folder(folder))
+}
+
+/// A scene file's text.
+///
+/// # Errors
+/// Where the file cannot be read, or holds no text or more than a scene.
+pub fn scene_file_text(path: &Path) -> Result<String, SceneError> {
     let name = path.display().to_string();
     let whole = |message: String, help: &str| SceneText::new(&name, "").error(None, message, help);
     let mut bytes = Vec::new();
@@ -86,20 +141,11 @@ pub fn load(path: &Path) -> Result<Loaded, SceneError> {
             "this is not a scene file; large samples go into a picture or a mesh file",
         ));
     }
-    let text = match String::from_utf8(bytes) {
-        Ok(text) => text,
-        Err(error) => {
-            let at = error.utf8_error().valid_up_to();
-            let line = error.as_bytes()[..at].iter().filter(|&&b| b == b'\n').count() + 1;
-            return Err(whole(
-                format!("line {line} is not UTF-8 text"),
-                "save the scene file as UTF-8",
-            ));
-        }
-    };
-    let (scene, text) = parse_with_places(&text, &name, Format::of_name(&name))?;
-    let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
-    with_files(scene, text, &Folder(folder))
+    String::from_utf8(bytes).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        let line = error.as_bytes()[..at].iter().filter(|&&b| b == b'\n').count() + 1;
+        whole(format!("line {line} is not UTF-8 text"), "save the scene file as UTF-8")
+    })
 }
 
 /// Reads a scene that is text in memory, with the files that it names; `file_name` stands in messages.
@@ -349,6 +395,45 @@ mod tests {
         let clear =
             |matter| matches!(matter, Matter::Refractive { absorption: [0.0, 0.0, 0.0], .. });
         assert!(matter(&loaded).into_iter().all(clear));
+    }
+
+    /// A changed scene is the scene of a file that says the same; files are read again where the change concerns them.
+    #[test]
+    fn a_changed_scene_is_that_of_a_changed_file() {
+        use crate::scene::InMemory;
+        const TEXT: &str = "[viewpoint]\nposition = [0.0, 0.0, 800.0]\n[image]\nsize = [20.0, 20.0]\n\
+             [plate]\nposition = [0.0, 0.0, -150.0]\nrotation = [-45.0, 0.0, 0.0]\nsize = [400.0, 400.0]\n\
+             [display]\n[[element]]\nname = \"gem\"\nshape = { kind = \"mesh\", file = \"gem.obj\" }\n\
+             material = { ior = 1.49 }\n";
+        let gem = "v 9 9 9\nv 9 -9 -9\nv -9 9 -9\nv -9 -9 9\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n";
+        let files = InMemory::new().with("gem.obj", gem);
+        let loaded = load_text(TEXT, "a.toml", Format::Toml, &files).unwrap();
+        let surface = |loaded: &Loaded| match &loaded.assets[0] {
+            Asset::Mesh { surface, .. } => Arc::clone(surface),
+            other => panic!("{other:?}"),
+        };
+        let mut edit = SceneEdit::new(TEXT, "a.toml", Format::Toml).unwrap();
+        edit.set("element.gem.rotation.y", 10.0).unwrap();
+        edit.set("element.gem.material.ior", 1.6).unwrap();
+        let turned = loaded.changed(&edit, &InMemory::new()).unwrap();
+        assert!(Arc::ptr_eq(&surface(&turned), &surface(&loaded)));
+        edit.set("element.gem.shape.scale", 2.0).unwrap();
+        let larger = turned.changed(&edit, &files).unwrap();
+        assert!(!Arc::ptr_eq(&surface(&larger), &surface(&loaded)));
+        assert!(turned.changed(&edit, &InMemory::new()).is_err());
+        let fresh = load_text(edit.text(), "a.toml", Format::Toml, &files).unwrap();
+        assert_eq!(larger.scene, fresh.scene);
+        let [a, b] = [&larger, &fresh].map(|loaded| {
+            let setup = Setup::new(loaded).unwrap();
+            let uv: Vec<_> =
+                (0..100).map(|i| [f64::from(i % 10), f64::from(i / 10)].map(|x| x / 9.0)).collect();
+            setup.transport_all(&uv, crate::transport::End::st)
+        });
+        assert_eq!(format!("{a:?}"), format!("{b:?}"));
+        // What no set-up can be is refused, at its line.
+        edit.set("viewpoint.position", [0.0, 0.0, 1.0]).unwrap();
+        let error = larger.changed(&edit, &files).unwrap_err();
+        assert_eq!(error.file_and_line(), ("a.toml", Some(2)), "{error}");
     }
 
     #[test]

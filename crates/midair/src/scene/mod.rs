@@ -30,7 +30,7 @@ pub use assets::{Assets, Folder, InMemory};
 pub use edit::{SceneEdit, Setting};
 pub use error::{SceneError, SceneText};
 pub use heights::Heights;
-pub use load::{Asset, Loaded, load, load_text, with_files};
+pub use load::{Asset, Loaded, load, load_text, scene_file_text, with_files};
 pub use save::to_toml;
 pub use schema::schema;
 pub use tree::Format;

@@ -75,6 +75,16 @@ pub enum PlateModel {
     SlitMirror(SlitMirror),
 }
 
+impl PlateModel {
+    /// Slit mirrors: with its own dimensions, or the usual ones if it has none.
+    pub fn or_slit_mirror(self) -> SlitMirror {
+        match self {
+            Self::Ideal => SlitMirror::default(),
+            Self::SlitMirror(parameters) => parameters,
+        }
+    }
+}
+
 /// The light source.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Display {

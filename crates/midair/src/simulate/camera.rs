@@ -1,9 +1,35 @@
 //! Where the viewer looks from, and what part of space the view shows.
 
+use crate::Error;
 use crate::geometry::{Ray, Vec3};
+use crate::picture::check_size;
 use crate::picture::optimal::ViewRays;
 use crate::transport::{Path, Setup};
 use std::ops::Range;
+
+/// Rays that one view may have: what they hold in memory grows to 50 bytes each.
+const MOST_RAYS: usize = 1 << 26;
+
+/// Refuses a view that would not fit into memory: so many pixels (width, height), and rays along each side of a pixel.
+///
+/// # Errors
+/// What is too large, and what is possible.
+pub fn check_view(size: [usize; 2], supersampling: usize) -> Result<(), Error> {
+    check_size(size)?;
+    let [width, height] = size;
+    let rays = (width as u128) * (height as u128) * (supersampling as u128).pow(2);
+    if rays > MOST_RAYS as u128 {
+        return Err(Error::request(
+            format!(
+                "a view of {width} x {height} pixels with {supersampling} x {supersampling} rays each is too large"
+            ),
+            format!(
+                "ask for at most {MOST_RAYS} rays in all: a smaller size or less supersampling"
+            ),
+        ));
+    }
+    Ok(())
+}
 
 /// A pinhole that looks at the image: its picture is what would be seen in the image's plane, so that a
 /// view pixel is an image point whatever the eye's position, and views from everywhere compare pixel by pixel.

@@ -38,7 +38,7 @@ mod stray;
 mod tests;
 pub mod tone;
 
-pub use camera::{Camera, Sight};
+pub use camera::{Camera, Sight, check_view};
 pub use film::{ErrorEstimate, Layers, Light, Render};
 pub use gain::{ImageGainWork, faded_view, gain, image_gain};
 pub use lens::Viewer;

@@ -24,7 +24,9 @@
 #[cfg(test)]
 pub(crate) mod bench_setup;
 mod build;
+mod course;
 mod losses;
+mod many;
 mod path;
 mod setup;
 #[cfg(test)]
@@ -33,6 +35,7 @@ mod walk;
 
 pub use crate::optics::glass::DESIGN_WAVELENGTH;
 pub use build::SetupError;
+pub use course::Course;
 pub use losses::Remainder;
 pub use path::{Action, End, Path, Step, on_display};
 pub use setup::{Element, MAX_SOLIDS, Matter, Setup};

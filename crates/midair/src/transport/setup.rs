@@ -6,9 +6,10 @@ use crate::geometry::{Crossing, Dual, Frame, Ray, Real, Rectangle, Shape, Vec3};
 use crate::optics::Index;
 use crate::optics::emission::Emission;
 use crate::optics::interface::{reflect, refract};
-use crate::optics::plate::{Model, Plate, display_place, pass_ideal};
+use crate::optics::plate::{Model, Plate, PlateError, SlitMirrorPlate, display_place, pass_ideal};
 use crate::optics::polarisation::polariser_field;
 use crate::optics::screen::Screen;
+use crate::scene::model::PlateModel;
 
 /// What an element is made of, at one wavelength.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,6 +103,24 @@ impl Setup {
     /// The same with a plate of another model in the plate's place.
     pub fn with_plate(&self, model: Model) -> Self {
         Self { plate: Plate::new(self.plate.rectangle, model), ..self.clone() }
+    }
+
+    /// The same with a plate of the model that is wanted, where the scene's `own` is another. A measured luminance is of the scene's own plate.
+    ///
+    /// # Errors
+    /// [`PlateError`] where no plate has such dimensions.
+    pub fn with_plate_model(
+        &self,
+        own: &PlateModel,
+        wanted: &PlateModel,
+    ) -> Result<Self, PlateError> {
+        Ok(match wanted {
+            _ if wanted == own => self.clone(),
+            PlateModel::Ideal => self.with_plate(Model::Ideal),
+            PlateModel::SlitMirror(parameters) => {
+                self.with_plate(SlitMirrorPlate::new(*parameters)?.into())
+            }
+        })
     }
 
     /// The same plate and display with no object between, the display where it belongs for this plate: what the plate by itself shows.

@@ -5,13 +5,13 @@ mod stray;
 use crate::arguments::{Size, check_picture_name, open_scene};
 use crate::failure::Failure;
 use crate::summary::{Voice, paths, percent, wrote};
-use midair::evaluate::preflight::{Preflight, Severity, preflight, reason};
+use midair::evaluate::preflight::{Check, Part, Preflight, Severity};
 use midair::files::Output;
-use midair::map::{Accuracy, Formation, ImagePoint, Map, formation, invert};
+use midair::map::Map;
 use midair::picture::{Depth, write_still};
 use midair::scene::Loaded;
 use midair::transport::Setup;
-use midair_report::drawing::status_picture::{self, Part};
+use midair_report::drawing::status_picture;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 pub use stray::Stray;
@@ -79,41 +79,20 @@ pub struct Checked {
     json: Value,
 }
 
-/// Image points along the longer side that are followed.
-const POINTS: usize = 512;
-
 /// Checks a scene and draws the outcome.
 pub fn write_check(
     loaded: &Loaded,
     output: &mut Output,
     name: impl AsRef<Path>,
 ) -> Result<Checked, Failure> {
-    let setup = Setup::new(loaded)?;
-    let (map, _) = invert(&setup, Accuracy::default());
-    let [w, h] = setup.image.size;
-    let width = if w >= h { POINTS } else { ((POINTS as f64 * w / h) as usize).max(1) };
-    let formation = formation(&setup, &map, setup.view_size(width));
-    let parts = parts(&setup, &formation);
-    let preflight = preflight(&setup, &loaded.scene, &map, &formation);
+    let check = Check::of(loaded)?;
+    let json = check.to_json();
+    let Check { setup, map, formation, parts, preflight, .. } = check;
     let picture = status_picture::draw(&loaded.scene.name, &formation, &parts, &map);
     output.write(name, |path| write_still(path, &picture, Depth::Eight))?;
     let lines = lines(loaded, &parts, &preflight);
-    let json = told(loaded, &setup, &parts, &map, &preflight);
     let explained = explained(&setup, &preflight);
     Ok(Checked { setup, map, lines, explained, json })
-}
-
-/// The kinds of image points that there are, the most frequent first, formed ones before all.
-fn parts(setup: &Setup, formation: &Formation) -> Vec<Part> {
-    let mut shares = formation.shares();
-    shares.entry(ImagePoint::Formed).or_default();
-    let part = |(point, share)| Part { point, name: reason(setup, point), share };
-    let mut parts: Vec<Part> = shares.into_iter().map(part).collect();
-    parts.sort_by(|a, b| {
-        let formed = |part: &Part| part.point != ImagePoint::Formed;
-        formed(a).cmp(&formed(b)).then(b.share.total_cmp(&a.share)).then(a.name.cmp(&b.name))
-    });
-    parts
 }
 
 fn lines(loaded: &Loaded, parts: &[Part], preflight: &Preflight) -> String {
@@ -161,33 +140,4 @@ fn explained(setup: &Setup, preflight: &Preflight) -> Vec<String> {
         ));
     }
     lines
-}
-
-fn told(loaded: &Loaded, setup: &Setup, parts: &[Part], map: &Map, preflight: &Preflight) -> Value {
-    let share = |wanted: ImagePoint| {
-        parts.iter().find(|part| part.point == wanted).map_or(0.0, |part| part.share)
-    };
-    let not_formed: serde_json::Map<String, Value> = parts
-        .iter()
-        .filter(|part| !matches!(part.point, ImagePoint::Formed | ImagePoint::Folded))
-        .map(|part| (part.name.clone(), json!(part.share)))
-        .collect();
-    json!({
-        "scene": loaded.scene.name,
-        "image": {
-            "formed": share(ImagePoint::Formed),
-            "folded": share(ImagePoint::Folded),
-            "not_formed": not_formed,
-            "floating": preflight.floating,
-        },
-        "light": preflight.light,
-        "display": {
-            "resolution": setup.resolution,
-            "size": setup.display.size,
-            "pixels": preflight.pixels,
-            "status": map.counts(),
-            "advice": preflight.display,
-        },
-        "findings": preflight.findings,
-    })
 }

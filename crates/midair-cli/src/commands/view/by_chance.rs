@@ -9,10 +9,9 @@ use crate::summary::{Voice, milliseconds, number, paths, wrote};
 use clap::ValueEnum;
 use midair::Monitor as _;
 use midair::files::Output;
-use midair::optics::plate;
 use midair::picture::Depth;
 use midair::scene::Loaded;
-use midair::scene::model::{PlateModel, SlitMirror};
+use midair::scene::model::PlateModel;
 use midair::simulate::tone::{Exposure, write_layers, write_png};
 use midair::simulate::{Light, Progress, Render, Settings, Viewer, render};
 use serde_json::{Value, json};
@@ -106,26 +105,15 @@ impl FromStr for Brightness {
 
 pub fn run(options: &Options, shot: Shot, voice: Voice) -> Result<ExitCode, Failure> {
     let Shot { loaded, setup, still, camera, mut outputs, notes } = shot;
-    let model = match (options.plate, loaded.scene.plate.model) {
-        (None, model) | (Some(Model::SlitMirror), model @ PlateModel::SlitMirror(_)) => model,
-        (Some(Model::Ideal), _) => PlateModel::Ideal,
-        (Some(Model::SlitMirror), PlateModel::Ideal) => {
-            PlateModel::SlitMirror(SlitMirror::default())
-        }
+    let own = loaded.scene.plate.model;
+    let model = match options.plate {
+        None => own,
+        Some(Model::Ideal) => PlateModel::Ideal,
+        Some(Model::SlitMirror) => PlateModel::SlitMirror(own.or_slit_mirror()),
     };
-    let wanted = match (&model, loaded.scene.plate.model) {
-        (a, b) if *a == b => None,
-        (PlateModel::Ideal, _) => Some(plate::Model::Ideal),
-        (PlateModel::SlitMirror(parameters), _) => {
-            let made = plate::SlitMirrorPlate::new(*parameters);
-            Some(
-                made.map_err(|error| Failure::new(error.to_string(), "ask for --plate ideal"))?
-                    .into(),
-            )
-        }
-    };
-    // A measurement is of the scene's own plate.
-    let setup = wanted.map_or_else(|| setup.clone(), |model| setup.with_plate(model));
+    let setup = setup
+        .with_plate_model(&own, &model)
+        .map_err(|error| Failure::new(error.to_string(), "ask for --plate ideal"))?;
     let viewer = Viewer { camera, aperture: options.aperture.unwrap_or(0.0), focus: options.focus };
     let default = Settings::default();
     let settings = Settings {

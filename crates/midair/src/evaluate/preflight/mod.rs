@@ -1,6 +1,7 @@
 //! The preflight: what is wrong with a set-up before it is built, each finding with its remedy and, where there is one, the lines to paste.
 
 mod bodies;
+mod check;
 mod coverage;
 mod finding;
 mod lengths;
@@ -11,6 +12,7 @@ mod place;
 #[cfg(test)]
 mod tests;
 
+pub use check::{Check, Part};
 pub use coverage::DisplayAdvice;
 pub use finding::{Finding, Kind, Line, Severity};
 pub use light::Light;

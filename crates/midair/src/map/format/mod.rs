@@ -139,6 +139,21 @@ pub fn write_map_and_gain(
     Ok(written)
 }
 
+/// The map as cv2.remap takes it, for pictures of `source` pixels (width, height): columns and rows in the picture, 0 at the centre of the
+/// top left pixel; NaN where there is no answer. In the order of the map's `uv`.
+pub fn remap_coordinates(map: &Map, source: [usize; 2]) -> [Vec<f32>; 2] {
+    [0, 1].map(|axis| opencv::coordinates(map, axis, source[axis]).collect())
+}
+
+/// The map as an STMap's pixels: R = u, G = v, B = 0, A = 1 where the status is ok, else 0; u and v are NaN where there is no answer.
+pub fn stmap_pixels(map: &Map) -> Vec<[f32; 4]> {
+    let pixel = |(&uv, &status): (&[f64; 2], &Status)| {
+        let [u, v] = answer(uv).map_or([f32::NAN; 2], |uv| uv.map(|x| x as f32));
+        [u, v, 0.0, f32::from(status == Status::Ok)]
+    };
+    map.uv.iter().zip(&map.status).map(pixel).collect()
+}
+
 /// How to read a map file.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reading<'a> {

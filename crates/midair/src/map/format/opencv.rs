@@ -14,7 +14,7 @@ fn coordinate(uv: [f64; 2], axis: usize, size: usize) -> f32 {
     (place * size as f64 - 0.5) as f32
 }
 
-fn coordinates(map: &Map, axis: usize, size: usize) -> impl Iterator<Item = f32> {
+pub(super) fn coordinates(map: &Map, axis: usize, size: usize) -> impl Iterator<Item = f32> {
     map.uv.iter().map(move |&uv| answer(uv).map_or(f32::NAN, |uv| coordinate(uv, axis, size)))
 }
 

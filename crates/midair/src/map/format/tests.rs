@@ -1,5 +1,36 @@
 use super::*;
 
+/// By hand, for a picture of 8 x 4 pixels: u = 1/4 is its pixel 2's left edge, 1.5 from the first one's centre; v = 3/4 is a quarter down.
+#[test]
+fn maps_in_memory_are_those_of_their_files() {
+    let mut map = Map::identity(4, 2);
+    map.status[3] = Status::Folded;
+    (map.uv[7], map.status[7]) = ([f64::NAN; 2], Status::Outside);
+    map.uv[0] = [0.25, 0.75];
+    let [x, y] = remap_coordinates(&map, [8, 4]);
+    assert_eq!((x[0], y[0]), (1.5, 0.5));
+    assert!(x[7].is_nan() && y[7].is_nan());
+    let pixels = stmap_pixels(&map);
+    assert_eq!(pixels[0], [0.25, 0.75, 0.0, 1.0]);
+    assert_eq!(pixels[3][3], 0.0);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("map.exr");
+    write_map(&map, [8, 4], Format::Exr, &path).unwrap();
+    let file = decode_channels(&path, &std::fs::read(&path).unwrap(), 0.0).unwrap();
+    for (c, name) in ["R", "G", "A"].into_iter().enumerate() {
+        let channel: Vec<u32> = file.get(name).unwrap().iter().map(|x| x.to_bits()).collect();
+        let ours: Vec<u32> =
+            pixels.iter().map(|pixel| [pixel[0], pixel[1], pixel[3]][c].to_bits()).collect();
+        assert_eq!(channel, ours, "{name}");
+    }
+    let path = folder.path().join("map.npy");
+    write_map(&map, [8, 4], Format::OpenCv, &path).unwrap();
+    let read = read_map(&path, Some(Format::OpenCv), Some([8, 4])).unwrap().map;
+    let [again, _] = remap_coordinates(&read, [8, 4]);
+    // Single precision there and back.
+    assert!(again.iter().zip(&x).all(|(a, b)| (a - b).abs() < 1e-5 || a.is_nan() && b.is_nan()));
+}
+
 mod others;
 use proptest::prelude::*;
 use std::io::Write as _;

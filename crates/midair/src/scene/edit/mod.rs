@@ -8,6 +8,7 @@ mod toml;
 mod tests;
 
 use super::error::{SceneError, SceneText};
+use super::grammar::{self, Key};
 use super::model::Scene;
 use super::tree::{self, Entry, Node, Value};
 use super::{Format, parse_with_places, to_toml};
@@ -132,9 +133,65 @@ impl SceneEdit {
         &self.text
     }
 
+    /// The text's notation.
+    pub fn format(&self) -> Format {
+        self.format
+    }
+
     /// The scene that the text describes now.
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// What the scene says at a key, be it by default; `None` where it leaves the key out.
+    ///
+    /// # Errors
+    /// [`SceneError`] where there is no such key or element, or the path names a block.
+    pub fn get(&self, path: &str) -> Result<Option<Setting>, SceneError> {
+        let (place, _) = self.place(path)?;
+        let known = self.known(&place.steps).and_then(|node| setting(&node));
+        match (&place.component, known) {
+            (Some(component), Some(list)) => component
+                .get(&list)
+                .map(Some)
+                .map_err(|(message, help)| self.wrong(path, &message, help)),
+            (_, known) => Ok(known),
+        }
+    }
+
+    /// The unit of a key's numbers, as the scene file's reference has it; `None` where they have none.
+    ///
+    /// # Errors
+    /// As [`get`](Self::get).
+    pub fn unit(&self, path: &str) -> Result<Option<&'static str>, SceneError> {
+        Ok(self.place(path)?.1.unit)
+    }
+
+    /// Where a key stands, and what the grammar says of it.
+    fn place(&self, path: &str) -> Result<(Place, &'static Key), SceneError> {
+        let place = Place::new(path, &self.scene)
+            .map_err(|(message, help)| self.wrong(path, &message, help))?;
+        let names = place.steps.iter().filter_map(|step| match step {
+            Step::Key(name) => Some(name.as_str()),
+            Step::Item(_) => None,
+        });
+        let all = "`midair schema` lists all keys";
+        match grammar::key(names) {
+            Some(key) if key.kind.is_block() => {
+                Err(self.wrong(path, "this is a block of keys", "name one of its keys"))
+            }
+            Some(key) => Ok((place, key)),
+            None => Err(self.wrong(path, "there is no such key", all)),
+        }
+    }
+
+    fn wrong(&self, path: &str, message: &str, help: impl Into<String>) -> SceneError {
+        self.places.error_at(path, format!("`{path}`: {message}"), help)
+    }
+
+    /// The text, and where each of its keys stands.
+    pub(in crate::scene) fn places(&self) -> &SceneText {
+        &self.places
     }
 
     /// Gives a key a value. A key that the file leaves out is added to its block, and the block if need be.
@@ -142,9 +199,7 @@ impl SceneEdit {
     /// # Errors
     /// [`SceneError`] where there is no such key or element, or where the value does not conform; the text stays as it was.
     pub fn set(&mut self, path: &str, value: impl Into<Setting>) -> Result<(), SceneError> {
-        let wrong = |message: String, help: String| {
-            self.places.error_at(path, format!("`{path}`: {message}"), help)
-        };
+        let wrong = |message: String, help: String| self.wrong(path, &message, help);
         let place =
             Place::new(path, &self.scene).map_err(|(message, help)| wrong(message, help))?;
         let value = match &place.component {

@@ -29,18 +29,29 @@ impl Component {
         }
     }
 
+    /// This number of a list.
+    pub fn get(&self, list: &Setting) -> Result<Setting, Fault> {
+        let (length, found) = match list {
+            Setting::Integers(list) => {
+                (list.len(), list.get(self.0).copied().map(Setting::Integer))
+            }
+            Setting::Numbers(list) => (list.len(), list.get(self.0).copied().map(Setting::Number)),
+            _ => {
+                return Err((
+                    "this is no list of numbers".to_owned(),
+                    "leave its last part out".to_owned(),
+                ));
+            }
+        };
+        found.ok_or_else(|| short(length))
+    }
+
     /// The list with this number of it replaced.
     pub fn put(&self, list: Option<Setting>, value: Setting) -> Result<Setting, Fault> {
         let missing = || {
             (
                 "the file gives no list there".to_owned(),
                 "give the key all of its numbers first, such as [0.0, 0.0, 0.0]".to_owned(),
-            )
-        };
-        let short = |length: usize| {
-            (
-                format!("the list has {length} numbers"),
-                "they are x, y and z, or 0, 1 and 2".to_owned(),
             )
         };
         match (list, value) {
@@ -64,6 +75,10 @@ impl Component {
             _ => Err(missing()),
         }
     }
+}
+
+fn short(length: usize) -> Fault {
+    (format!("the list has {length} numbers"), "they are x, y and z, or 0, 1 and 2".to_owned())
 }
 
 /// Where a value stands.

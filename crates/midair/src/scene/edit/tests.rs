@@ -198,3 +198,60 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn values_are_read_as_they_were_written_or_by_default() {
+    let edit = bench();
+    let get = |path: &str| edit.get(path).unwrap();
+    assert_eq!(get("viewpoint.position"), Some(Setting::from([0.0, 0.0, 800.0])));
+    assert_eq!(get("plate.rotation.x"), Some(Setting::from(-45.0)));
+    assert_eq!(get("element.cube.material.ior"), Some(Setting::from(1.49)));
+    assert_eq!(get("element.1.material.glass"), Some(Setting::from("N-BK7")));
+    assert_eq!(get("element.cube.shape.size[2]"), Some(Setting::from(50.0)));
+    // By default; and what no default says.
+    assert_eq!(get("display.resolution"), Some(Setting::from([1024i64, 1024])));
+    assert_eq!(get("max_interactions"), Some(Setting::from(32i64)));
+    assert_eq!(get("display.position"), None);
+    for (path, unit) in [
+        ("viewpoint.position.x", Some("mm")),
+        ("element.cube.rotation.y", Some("degrees")),
+        ("element.cube.material.ior", None),
+        ("element.1.shape.radius", Some("mm")),
+    ] {
+        assert_eq!(edit.unit(path).unwrap(), unit, "{path}");
+    }
+    for (path, part) in [
+        ("viewpoint.positon", "no such key"),
+        ("element.cub.rotation", "the scene has cube"),
+        ("viewpoint", "block"),
+        ("element.cube", "block"),
+        ("element.cube.rotation.3", "x, y and z"),
+        ("name.x", "no list"),
+        ("", "no path"),
+    ] {
+        let error = edit.get(path).unwrap_err();
+        let told = format!("{error} {}", error.help);
+        assert!(told.contains(part), "{path}: {told}");
+    }
+}
+
+/// What is set is read back, for every key that a scene has.
+#[test]
+fn what_is_set_is_read_back() {
+    let mut edit = bench();
+    let mut read = 0;
+    for (path, value) in [
+        ("viewpoint.position", Setting::from([1.0, 2.0, 700.0])),
+        ("element.cube.rotation.y", Setting::from(3.5)),
+        ("display.resolution", Setting::from([64i64, 32])),
+        ("follow_total_reflection", Setting::from(true)),
+        ("element.0.priority", Setting::from(2i64)),
+        ("display.gamma", Setting::from(2.2)),
+        ("name", Setting::from("a \"name\"")),
+    ] {
+        edit.set(path, value.clone()).unwrap();
+        assert_eq!(edit.get(path).unwrap(), Some(value), "{path}");
+        read += 1;
+    }
+    assert_eq!(read, 7);
+}
