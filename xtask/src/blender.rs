@@ -36,6 +36,8 @@ pub fn run(options: &Options) -> Result<bool> {
     if !options.pictures {
         return Ok(true);
     }
+    // The tests hold the extension to the program.
+    python_package::assemble()?;
     let tally = run_tests(&python, &zip, Some(&crate::root().join("docs/pictures")));
     println!("{tally}");
     Ok(tally.failed == 0)
