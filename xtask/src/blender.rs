@@ -4,7 +4,7 @@
 
 use crate::book::{self, Profile};
 use crate::test::Tally;
-use crate::{process, setup};
+use crate::{process, python as python_package, setup};
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use midair_peers::Peer;
@@ -36,6 +36,8 @@ pub fn run(options: &Options) -> Result<bool> {
     if !options.pictures {
         return Ok(true);
     }
+    // The tests hold the extension to the program.
+    python_package::assemble()?;
     let tally = run_tests(&python, &zip, Some(&crate::root().join("docs/pictures")));
     println!("{tally}");
     Ok(tally.failed == 0)
@@ -51,8 +53,7 @@ pub fn test(optional: &[Peer]) -> Tally {
     };
     let folder = tempfile::tempdir();
     let built = folder.context("there is no place for a wheel").and_then(|folder| {
-        // The same features as the tests had: there is nothing left to build after them.
-        process::run(&mut process::cargo(&["build", "--quiet", "--workspace", "--all-targets"]))?;
+        python_package::assemble()?;
         build(&python, Some(&packed(&python, folder.path())?))
     });
     match built {
@@ -61,16 +62,12 @@ pub fn test(optional: &[Peer]) -> Tally {
     }
 }
 
-/// Where the step before puts the Python package together from what cargo has built for the tests.
-const PACKAGE: &str = "target/python/package/midair";
-
 /// Packs a folder of a Python package as a wheel.
 const PACK: &str = "xtask/peers/pack_wheel.py";
 
 /// A wheel of the package as it was built for the tests: one for users takes minutes to build.
 fn packed(python: &Path, folder: &Path) -> Result<PathBuf> {
-    let package = crate::root().join(PACKAGE);
-    ensure!(package.is_dir(), "{PACKAGE} is not there: `cargo xtask test --only python` makes it");
+    let package = python_package::package_folder().join("midair");
     let mut pack = Command::new(python);
     pack.arg(PACK).arg(package).arg(env!("CARGO_PKG_VERSION")).arg(folder);
     pack.current_dir(crate::root());
