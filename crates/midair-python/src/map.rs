@@ -22,7 +22,7 @@ enum Origin {
     /// The answer for a set-up, or one of its colours.
     Compensation { all: Arc<Compensation>, colour: usize },
     /// What a display shows that knows nothing of the object.
-    Uncompensated { setup: Setup, map: map::Map },
+    Uncompensated { setup: Box<Setup>, map: map::Map },
     /// A file.
     File(LoadedMap),
 }
@@ -68,7 +68,7 @@ impl Map {
     }
 
     pub fn uncompensated(setup: Setup, map: map::Map) -> Self {
-        Self::new(Origin::Uncompensated { setup, map })
+        Self::new(Origin::Uncompensated { setup: Box::new(setup), map })
     }
 
     fn map(&self) -> &map::Map {
