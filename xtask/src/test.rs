@@ -72,23 +72,34 @@ impl Tally {
     }
 }
 
-/// Runs the steps, all of them even if one fails; whether all passed.
+/// Runs the steps, all of them even if one fails; whether all passed. What is installed comes by the network, while the compiler has the processor: the first
+/// steps that need none of it run beside.
 pub fn run(options: &Options) -> Result<bool> {
     let mut total = Tally::default();
     let mut failed = Vec::new();
-    for step in Step::value_variants() {
-        if !step.is_wanted(&options.only) {
-            continue;
-        }
-        let name = format!("{step:?}").to_lowercase();
-        println!("\n== {name}");
-        let start = Instant::now();
-        let tally = step.run(&options.optional);
-        println!("-- {name}: {:.0} s", start.elapsed().as_secs_f64());
+    let mut account = |step: Step, tally: Tally| {
         if tally.failed > 0 {
-            failed.push(name);
+            failed.push(step.name());
         }
         total.add(tally);
+    };
+    let wanted = |step: &&Step| step.is_wanted(&options.only);
+    let (first, rest): (Vec<&Step>, Vec<&Step>) =
+        Step::value_variants().iter().filter(wanted).partition(|step| step.needs_no_setup());
+    let is_setup = |step: &&Step| **step == Step::Setup;
+    std::thread::scope(|scope| {
+        let setup = rest.iter().copied().find(is_setup);
+        let setup = setup.map(|step| (*step, scope.spawn(|| step.timed(&options.optional))));
+        for step in first {
+            account(*step, step.timed(&options.optional));
+        }
+        if let Some((step, setup)) = setup {
+            let ended = setup.join().unwrap_or_else(|_| Tally::of(Err(anyhow::anyhow!("a panic"))));
+            account(step, ended);
+        }
+    });
+    for step in rest.into_iter().filter(|step| !is_setup(step)) {
+        account(*step, step.timed(&options.optional));
     }
     println!();
     if !failed.is_empty() {
@@ -103,6 +114,26 @@ impl Step {
     fn is_wanted(self, named: &[Self]) -> bool {
         // Built from nothing with coverage counters, the fuzzer takes minutes that the whole run has no room for.
         (named.is_empty() && self != Self::Fuzz) || named.contains(&self)
+    }
+
+    /// Its name on the command line.
+    fn name(self) -> String {
+        format!("{self:?}").to_lowercase()
+    }
+
+    /// Whether it can run before anything is installed.
+    fn needs_no_setup(self) -> bool {
+        matches!(self, Self::Fmt | Self::Clippy)
+    }
+
+    /// Runs it, and says so.
+    fn timed(self, optional: &[Peer]) -> Tally {
+        let name = self.name();
+        println!("\n== {name}");
+        let start = Instant::now();
+        let tally = self.run(optional);
+        println!("-- {name}: {:.0} s", start.elapsed().as_secs_f64());
+        tally
     }
 
     fn run(self, optional: &[Peer]) -> Tally {
