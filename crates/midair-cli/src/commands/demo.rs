@@ -2,6 +2,7 @@
 
 use super::check::write_check;
 use super::report::write_proof;
+use crate::arguments::Size;
 use crate::failure::Failure;
 use crate::summary::Voice;
 use midair::files::write_bytes_atomically;
@@ -26,14 +27,20 @@ pub struct Arguments {
     /// Folder for all that is written
     #[arg(long, value_name = "DIR", default_value = "out/demo")]
     out: PathBuf,
+    /// The display's resolution instead of the scene's; views are as wide
+    #[arg(long, value_name = "WxH")]
+    size: Option<Size>,
 }
 
 pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let mut output = crate::output::into_folder(&arguments.out)?;
-    let loaded = output.write("scene.toml", |path| {
+    let mut loaded = output.write("scene.toml", |path| {
         write_bytes_atomically(path, SCENE.as_bytes())?;
         Ok(load(path))
     })??;
+    if let Some(Size(size)) = arguments.size {
+        loaded.scene.display.resolution = size;
+    }
     let picture = test_picture::draw(1024, 1024);
     let still = Still { picture, depth: Depth::Eight, notes: Vec::new() };
     output.write("picture.png", |path| write_still(path, &still.picture, still.depth))?;

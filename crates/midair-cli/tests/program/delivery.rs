@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 #[test]
 fn the_demo_writes_everything_and_can_be_gone_on_from() {
     let bench = Bench::new();
-    let said = bench.succeed(&["demo"]);
+    let said = bench.succeed(&["demo", "--size", "256x256"]);
     assert!(said.lines().count() <= 12 && said.contains("out/demo/report.html"), "{said}");
     for name in [
         "scene.toml",

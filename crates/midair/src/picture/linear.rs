@@ -12,12 +12,17 @@ pub const LONGEST: usize = 32_768;
 /// What is wrong with them, and what is possible.
 pub fn check_size(size: [usize; 2]) -> Result<(), Error> {
     let [width, height] = size;
-    let told = format!("{width} x {height} pixels cannot be had");
     if size.iter().any(|side| !(1..=LONGEST).contains(side)) {
-        return Err(Error::request(told, format!("each side must be from 1 to {LONGEST} pixels")));
+        return Err(Error::request(
+            format!("there is no picture of {width} x {height} pixels"),
+            format!("give each side from 1 to {LONGEST} pixels"),
+        ));
     }
     if width as u64 * height as u64 > MAX_PIXELS {
-        return Err(Error::request(told, format!("ask for at most {MAX_PIXELS} pixels in all")));
+        return Err(Error::request(
+            format!("{width} x {height} pixels are too large"),
+            format!("ask for a smaller picture, of at most {MAX_PIXELS} pixels in all"),
+        ));
     }
     Ok(())
 }

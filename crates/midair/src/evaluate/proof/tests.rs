@@ -71,7 +71,13 @@ fn a_tilted_slab_displaces_the_lattice_by_the_textbook_shift() {
          shape = { kind = \"box\", size = [200.0, 200.0, 50.0] }\nrotation = [0.0, 3.0, 0.0]\n\
          material = { ior = 1.49 }\n",
     );
-    let proof = prove(&Setup::new(&loaded).unwrap(), &picture(512), &settings(512), &()).unwrap();
+    let proof = prove(
+        &Setup::new(&loaded).unwrap(),
+        &picture(512),
+        &Settings { splat_spp: 0, ..settings(512) },
+        &(),
+    )
+    .unwrap();
     let expected = shift / 30.0 * 512.0;
     let uncompensated = &proof.lattice.uncompensated;
     // The eye at 300 m sees the image's edge under 5e-5 rad: of 50 mm that is 0.0025 mm, 0.04 pixels, at most.
@@ -100,7 +106,13 @@ fn through_a_slit_mirror_plate_measured_and_exact_displacement_agree() {
     let prove_at = |plate: &str| {
         let parsed = parse(&text(plate), "slab.toml", Format::Toml).unwrap();
         let loaded = with_files(parsed, loaded(800.0, "").text, &InMemory::new()).unwrap();
-        prove(&Setup::new(&loaded).unwrap(), &picture(512), &settings(512), &()).unwrap()
+        prove(
+            &Setup::new(&loaded).unwrap(),
+            &picture(512),
+            &Settings { splat_spp: 0, ..settings(512) },
+            &(),
+        )
+        .unwrap()
     };
     let [ideal, slits] = ["ideal", "slit-mirror"].map(prove_at);
     let lattice = &slits.lattice;

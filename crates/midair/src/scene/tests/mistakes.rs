@@ -153,9 +153,9 @@ fn mistakes_are_named_with_line_and_remedy() {
 
 #[test]
 fn the_span_is_the_offending_text() {
-    let text = with("radius = 25.0", "radius = \"5 cm\"");
+    let text = with("radius = 25.0", "radius = \"5 ells\"");
     let error = toml(&text).unwrap_err();
-    assert_eq!(&text[error.span().unwrap()], "\"5 cm\"");
+    assert_eq!(&text[error.span().unwrap()], "\"5 ells\"");
     let json = "{\n  \"name\": 5, \"näme\": 1}";
     let error = parse(json, "a.json", Format::Json).unwrap_err();
     let all: Vec<&SceneError> = std::iter::once(&error).chain(&error.others).collect();
