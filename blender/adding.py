@@ -175,13 +175,14 @@ def _in_light(menu, _):
 CLASSES = (MIDAIR_OT_add, MIDAIR_OT_add_element, MIDAIR_OT_add_mesh, MIDAIR_MT_add)
 
 
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory(CLASSES)
+
+
 def register():
-    for one in CLASSES:
-        bpy.utils.register_class(one)
+    _register_classes()
     bpy.types.VIEW3D_MT_light_add.append(_in_light)
 
 
 def unregister():
     bpy.types.VIEW3D_MT_light_add.remove(_in_light)
-    for one in reversed(CLASSES):
-        bpy.utils.unregister_class(one)
+    _unregister_classes()

@@ -146,16 +146,12 @@ def judge(root, found, made):
         line.remedy = "the one nearest to the image's centre is shown"
 
 
-class MIDAIR_OT_compensate(bpy.types.Operator):
+class MIDAIR_OT_compensate(properties.OfSetUp, bpy.types.Operator):
     """Compute the map for the active camera, and make the display show the compensated picture"""
 
     bl_idname = "midair.compensate"
     bl_label = "Compensate"
     bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        return properties.root_of(context) is not None
 
     def execute(self, context):
         with told(self) as outcome:
@@ -167,16 +163,12 @@ class MIDAIR_OT_compensate(bpy.types.Operator):
         return outcome()
 
 
-class MIDAIR_OT_uncompensated(bpy.types.Operator):
+class MIDAIR_OT_uncompensated(properties.OfSetUp, bpy.types.Operator):
     """Make the display show the picture as it is, to compare"""
 
     bl_idname = "midair.uncompensated"
     bl_label = "Show Uncompensated"
     bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        return properties.root_of(context) is not None
 
     def execute(self, context):
         root = properties.root_of(context)
@@ -186,7 +178,7 @@ class MIDAIR_OT_uncompensated(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MIDAIR_OT_picture(bpy.types.Operator):
+class MIDAIR_OT_picture(properties.OfSetUp, bpy.types.Operator):
     """Choose the picture or movie that the mid-air image is to show"""
 
     bl_idname = "midair.picture"
@@ -196,10 +188,6 @@ class MIDAIR_OT_picture(bpy.types.Operator):
     filepath: bpy.props.StringProperty(subtype="FILE_PATH")
     filter_image: bpy.props.BoolProperty(default=True, options={"HIDDEN"})
     filter_movie: bpy.props.BoolProperty(default=True, options={"HIDDEN"})
-
-    @classmethod
-    def poll(cls, context):
-        return properties.root_of(context) is not None
 
     def invoke(self, context, _):
         context.window_manager.fileselect_add(self)
@@ -223,11 +211,4 @@ class MIDAIR_OT_picture(bpy.types.Operator):
 CLASSES = (MIDAIR_OT_compensate, MIDAIR_OT_uncompensated, MIDAIR_OT_picture)
 
 
-def register():
-    for one in CLASSES:
-        bpy.utils.register_class(one)
-
-
-def unregister():
-    for one in reversed(CLASSES):
-        bpy.utils.unregister_class(one)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

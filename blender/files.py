@@ -85,7 +85,7 @@ class MIDAIR_OT_import(bpy.types.Operator, ImportHelper):
         return outcome()
 
 
-class MIDAIR_OT_export(bpy.types.Operator, ExportHelper):
+class MIDAIR_OT_export(properties.OfSetUp, bpy.types.Operator, ExportHelper):
     """Write the mid-air set-up as a scene file"""
 
     bl_idname = "export_scene.midair"
@@ -93,10 +93,6 @@ class MIDAIR_OT_export(bpy.types.Operator, ExportHelper):
 
     filename_ext = ".toml"
     filter_glob: bpy.props.StringProperty(default="*.toml", options={"HIDDEN"})
-
-    @classmethod
-    def poll(cls, context):
-        return properties.root_of(context) is not None
 
     def execute(self, context):
         with told(self) as outcome:

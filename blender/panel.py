@@ -52,17 +52,13 @@ class MIDAIR_PT_panel(bpy.types.Panel):
         row.operator("midair.reload", text="Rebuild")
 
 
-class MIDAIR_PT_status(bpy.types.Panel):
+class MIDAIR_PT_status(properties.OfSetUp, bpy.types.Panel):
     bl_idname = "MIDAIR_PT_status"
     bl_label = "Status"
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = "Mid-air"
     bl_parent_id = "MIDAIR_PT_panel"
-
-    @classmethod
-    def poll(cls, context):
-        return properties.root_of(context) is not None
 
     def draw(self, context):
         own = properties.root_of(context).midair
@@ -108,11 +104,4 @@ class MIDAIR_PT_part(bpy.types.Panel):
 CLASSES = (MIDAIR_PT_panel, MIDAIR_PT_status, MIDAIR_PT_part)
 
 
-def register():
-    for one in CLASSES:
-        bpy.utils.register_class(one)
-
-
-def unregister():
-    for one in reversed(CLASSES):
-        bpy.utils.unregister_class(one)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

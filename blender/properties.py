@@ -125,6 +125,14 @@ def root_of(context):
     return roots[0] if len(roots) == 1 else None
 
 
+class OfSetUp:
+    """What is there only while a set-up is meant: the poll of operators and panels."""
+
+    @classmethod
+    def poll(cls, context):
+        return root_of(context) is not None
+
+
 def roots_in(scene):
     """All set-ups of a scene."""
     return [thing for thing in scene.objects if thing.midair.role == "SETUP" and thing.midair.text is not None]
@@ -159,13 +167,14 @@ def prefix(thing):
 CLASSES = (MidairFinding, MidairObject)
 
 
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory(CLASSES)
+
+
 def register():
-    for one in CLASSES:
-        bpy.utils.register_class(one)
+    _register_classes()
     bpy.types.Object.midair = PointerProperty(type=MidairObject)
 
 
 def unregister():
     del bpy.types.Object.midair
-    for one in reversed(CLASSES):
-        bpy.utils.unregister_class(one)
+    _unregister_classes()

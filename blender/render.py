@@ -90,7 +90,7 @@ def set_up(context, root, width, samples):
         scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.0, 0.0, 0.0, 1.0)
 
 
-class MIDAIR_OT_set_up_render(bpy.types.Operator):
+class MIDAIR_OT_set_up_render(properties.OfSetUp, bpy.types.Operator):
     """Set camera and Cycles so that a render shows what the viewer sees of the image"""
 
     bl_idname = "midair.set_up_render"
@@ -101,10 +101,6 @@ class MIDAIR_OT_set_up_render(bpy.types.Operator):
         name="Width", default=512, min=4, max=16384, description="The picture's pixels across the image"
     )
     samples: bpy.props.IntProperty(name="Samples", default=64, min=1, max=65536)
-
-    @classmethod
-    def poll(cls, context):
-        return properties.root_of(context) is not None
 
     def execute(self, context):
         with told(self) as outcome:

@@ -180,16 +180,12 @@ def _looks_other(own, changed):
     return any((key == own or key.startswith(own + ".")) and key not in stands for key in changed)
 
 
-class MIDAIR_OT_sync(bpy.types.Operator):
+class MIDAIR_OT_sync(properties.OfSetUp, bpy.types.Operator):
     """Write what has been edited into the scene file's text"""
 
     bl_idname = "midair.sync"
     bl_label = "Update the Scene"
     bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        return properties.root_of(context) is not None
 
     def execute(self, context):
         with solver.told(self) as outcome:
@@ -198,16 +194,12 @@ class MIDAIR_OT_sync(bpy.types.Operator):
         return outcome()
 
 
-class MIDAIR_OT_reload(bpy.types.Operator):
+class MIDAIR_OT_reload(properties.OfSetUp, bpy.types.Operator):
     """Build the set-up anew from the scene file's text, after it was edited as text"""
 
     bl_idname = "midair.reload"
     bl_label = "Rebuild from the Text"
     bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        return properties.root_of(context) is not None
 
     def execute(self, context):
         root = properties.root_of(context)
@@ -236,11 +228,4 @@ class MIDAIR_OT_reload(bpy.types.Operator):
 CLASSES = (MIDAIR_OT_sync, MIDAIR_OT_reload)
 
 
-def register():
-    for one in CLASSES:
-        bpy.utils.register_class(one)
-
-
-def unregister():
-    for one in reversed(CLASSES):
-        bpy.utils.unregister_class(one)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)
