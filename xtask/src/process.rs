@@ -18,6 +18,11 @@ pub fn cargo(arguments: &[&str]) -> Command {
     command
 }
 
+/// Builds the workspace as its tests are built: with the same features, so that after them there is nothing left to do.
+pub fn build_for_tests() -> Result<()> {
+    run(&mut cargo(&["build", "--quiet", "--workspace", "--all-targets"]))
+}
+
 /// What a command writes; an error unless it succeeds.
 pub fn output(command: &mut Command) -> Result<String> {
     let output = command.stderr(Stdio::null()).output();

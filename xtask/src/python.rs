@@ -42,7 +42,7 @@ pub fn install() -> Result<()> {
 
 /// Builds the workspace as its tests are built, and puts the package together: Python's files, and the module that cargo has built.
 pub fn assemble() -> Result<()> {
-    process::run(&mut process::cargo(&["build", "--quiet", "--workspace", "--all-targets"]))?;
+    process::build_for_tests()?;
     put_together(Profile::Dev)
 }
 

@@ -13,11 +13,7 @@ const COMMANDS_PAGE: &str = "docs/reference/commands.md";
 
 /// Brings the pages up to date.
 pub fn write() -> Result<()> {
-    process::run(
-        Command::new(std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned()))
-            .args(["build", "--quiet", "--workspace", "--all-targets"])
-            .current_dir(crate::root()),
-    )?;
+    process::build_for_tests()?;
     for (page, name, text) in generated()? {
         let path = crate::root().join(page);
         let old = std::fs::read_to_string(&path).with_context(|| page.to_owned())?;

@@ -173,12 +173,8 @@ impl Step {
 fn package() -> Result<()> {
     cargo(&["package", "--quiet", "--package", "midair", "--allow-dirty", "--no-verify"])?;
     let target = crate::root().join("target");
-    let folder = target.join("package");
-    let archives = std::fs::read_dir(&folder)?.flatten().map(|entry| entry.path());
-    let archive = archives
-        .filter(|path| path.extension().is_some_and(|extension| extension == "crate"))
-        .max_by_key(|path| path.metadata().and_then(|facts| facts.modified()).ok())
-        .context("there is no package")?;
+    // All packages of the workspace have one version.
+    let archive = target.join(format!("package/midair-{}.crate", env!("CARGO_PKG_VERSION")));
     // Elsewhere: within the workspace it would be taken for a part of it.
     let unpacked = tempfile::tempdir()?;
     process::run(

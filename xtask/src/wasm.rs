@@ -39,8 +39,7 @@ pub fn run() -> Tally {
         Ok(module) => module,
         Err(error) => return Tally::of(Err(error)),
     };
-    let built =
-        process::run(&mut process::cargo(&["build", "--quiet", "--workspace", "--all-targets"]));
+    let built = process::build_for_tests();
     if built.is_err() {
         return Tally::of(built);
     }
