@@ -55,7 +55,7 @@ impl FitMode {
     }
 
     /// The picture as the set-up's image is to show it.
-    pub fn apply(self, setup: &Setup, picture: &Picture) -> Picture {
+    pub fn apply(self, setup: &Setup, picture: Picture) -> Picture {
         let crop = self.fit().crop([picture.width, picture.height], setup.image.size);
         crop.picture(picture)
     }

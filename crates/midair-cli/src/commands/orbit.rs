@@ -8,7 +8,7 @@ use midair::Monitor as _;
 use midair::evaluate::orbit::{Seen, Settings, orbit};
 use midair::files::write_bytes_atomically;
 use midair::measure::lattice::LatticeStyle;
-use midair::picture::{Depth, Picture, srgb, write_still};
+use midair::picture::{Depth, Picture, write_still};
 use midair::transport::Setup;
 use midair_report::orbit::{chart, page, pixel_mm, strips};
 use midair_report::paper::strip;
@@ -183,8 +183,7 @@ fn film(
                 };
                 encoder = Some(Encoder::new(path, &recipe)?);
             }
-            let codes = frame.pixels.iter().flat_map(|p| [p[0], p[1], p[2]].map(srgb::encode_8));
-            frames.push(codes.collect());
+            frames.push(frame.codes_8());
         }
     }
     let Some(mut encoder) = encoder else { return Ok(()) };

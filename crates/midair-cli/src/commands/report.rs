@@ -54,7 +54,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     if arguments.fit != FitMode::Stretch {
         let setup = Setup::new(&loaded)?;
         notes.extend(fit_note(&setup, &still.picture, arguments.fit));
-        still.picture = arguments.fit.apply(&setup, &still.picture);
+        still.picture = arguments.fit.apply(&setup, still.picture);
     }
     let splat_spp = arguments.splat_spp as usize;
     let output = crate::output::into_folder(&arguments.out)?;

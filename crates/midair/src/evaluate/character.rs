@@ -8,7 +8,6 @@ use crate::optics::plate::character::{
 };
 use crate::optics::plate::{Shares, SlitMirror, SlitMirrorPlate, viewing_angles};
 use crate::scene::Loaded;
-use crate::scene::model::PlateModel;
 use crate::transport::Setup;
 use serde::{Serialize, Serializer};
 
@@ -67,17 +66,14 @@ impl Character {
     /// Where the scene cannot be traced, or the plate not be.
     pub fn of(loaded: &Loaded, aperture: f64) -> Result<Self, Error> {
         let mut notes = Vec::new();
-        let parameters = match loaded.scene.plate.model {
-            PlateModel::SlitMirror(parameters) => parameters,
-            PlateModel::Ideal => {
-                notes.push(
-                    "the scene's plate is ideal: what is shown is the usual slit-mirror plate \
-                     (write model = \"slit-mirror\" with its values in the scene's [plate])"
-                        .to_owned(),
-                );
-                SlitMirror::default()
-            }
-        };
+        let (parameters, assumed) = loaded.scene.plate.model.slit_mirror_or_usual();
+        if assumed {
+            notes.push(
+                "the scene's plate is ideal: what is shown is the usual slit-mirror plate \
+                 (write model = \"slit-mirror\" with its values in the scene's [plate])"
+                    .to_owned(),
+            );
+        }
         if !loaded.scene.elements.is_empty() {
             notes.push("the scene's elements are left out".to_owned());
         }

@@ -1,7 +1,7 @@
 //! The plate's stray light over the image, and the pose of plate and display that leaves less of it.
 
 use crate::map::Map;
-use crate::optics::plate::{PlateError, SlitMirror, SlitMirrorPlate};
+use crate::optics::plate::{PlateError, SlitMirrorPlate};
 use crate::scene::model::PlateModel;
 use crate::simulate::{BestPose, PoseLimits, Sights, StrayView, best_pose};
 use crate::transport::Setup;
@@ -51,10 +51,7 @@ pub struct Stray {
 /// # Errors
 /// [`PlateError`] where the plate cannot be.
 pub fn stray(model: &PlateModel, setup: &Setup, map: &Map) -> Result<Stray, PlateError> {
-    let (parameters, assumed) = match model {
-        PlateModel::SlitMirror(parameters) => (*parameters, false),
-        PlateModel::Ideal => (SlitMirror::default(), true),
-    };
+    let (parameters, assumed) = model.slit_mirror_or_usual();
     let plate = SlitMirrorPlate::new(parameters)?;
     let sights = Sights::new(setup, GRID, 1.0);
     let near = sights.through(&plate, setup, map);

@@ -70,10 +70,10 @@ impl Crop {
         ((from - count) / 2, (to - count) / 2, count)
     }
 
-    /// The same part of a picture.
-    pub fn picture(&self, picture: &Picture) -> Picture {
+    /// The same part of a picture, which is handed through where it is the whole.
+    pub fn picture(&self, picture: Picture) -> Picture {
         if self.is_whole() {
-            return picture.clone();
+            return picture;
         }
         let mut shown = Picture::filled(self.to[0], self.to[1], [0.0, 0.0, 0.0, 1.0]);
         self.copy(&picture.pixels, &mut shown.pixels, 1);
@@ -127,7 +127,7 @@ mod tests {
         }
         for fit in [Fit::Contain, Fit::Cover] {
             let crop = fit.crop([80, 40], [20.0, 20.0]);
-            let shown = crop.picture(&picture);
+            let shown = crop.picture(picture.clone());
             assert_eq!(shown.width, shown.height);
             let bright = |x: usize, y: usize| shown.pixels[y * shown.width + x] == [1.0; 4];
             let middle = shown.width / 2;

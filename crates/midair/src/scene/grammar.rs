@@ -499,25 +499,29 @@ pub(super) const ABSORPTION: Key = optional(
     "Refractive solids: absorption coefficient; one number, or linear R, G, B; left out: as the glass file says, else none.",
 );
 
+pub(super) const IOR: Key = optional(
+    "ior",
+    Kind::Number(INDEX.0, INDEX.1),
+    None,
+    Need::Optional,
+    "Refractive index, the same for every wavelength.",
+);
+
+pub(super) const CAUCHY: Key = optional(
+    "cauchy",
+    Kind::Numbers(2, -1.0, INDEX.1),
+    None,
+    Need::Optional,
+    "A and B of n = A + B / lambda^2, lambda in micrometres.",
+);
+
 static MATERIAL: Block = Block {
     name: "a material",
     about: "What an element is made of: exactly one of ior, glass, cauchy, file, mirror and opaque.",
     keys: &[
-        optional(
-            "ior",
-            Kind::Number(INDEX.0, INDEX.1),
-            None,
-            Need::Optional,
-            "Refractive index, the same for every wavelength.",
-        ),
+        IOR,
         optional("glass", Kind::Glass, None, Need::Optional, "A catalogue glass, with dispersion."),
-        optional(
-            "cauchy",
-            Kind::Numbers(2, -1.0, INDEX.1),
-            None,
-            Need::Optional,
-            "A and B of n = A + B / lambda^2, lambda in micrometres.",
-        ),
+        CAUCHY,
         optional(
             "file",
             Kind::File,

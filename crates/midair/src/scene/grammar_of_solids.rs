@@ -1,8 +1,8 @@
 //! The grammar of solids that a profile sweeps, and of hollow ones.
 
 use super::grammar::{
-    ABSORPTION, Block, INDEX, KIND, Key, Kind, LARGEST, Need, SIZE, SMALLEST, block, optional,
-    required, size,
+    ABSORPTION, Block, CAUCHY, IOR, KIND, Key, Kind, LARGEST, Need, SIZE, SMALLEST, block,
+    optional, required, size,
 };
 
 /// Of a conic constant: far beyond any that is ground.
@@ -138,13 +138,7 @@ static LIQUID: Block = Block {
             Need::Optional,
             "How high it stands over the lowest place of the inside; left out: it is full.",
         ),
-        optional(
-            "ior",
-            Kind::Number(INDEX.0, INDEX.1),
-            None,
-            Need::Optional,
-            "Refractive index, the same for every wavelength.",
-        ),
+        IOR,
         optional(
             "glass",
             Kind::Glass,
@@ -152,13 +146,7 @@ static LIQUID: Block = Block {
             Need::Optional,
             "A substance of the catalogue, with dispersion, such as \"water\".",
         ),
-        optional(
-            "cauchy",
-            Kind::Numbers(2, -1.0, INDEX.1),
-            None,
-            Need::Optional,
-            "A and B of n = A + B / lambda^2, lambda in micrometres.",
-        ),
+        CAUCHY,
         ABSORPTION,
     ],
     exactly_one: &[&["ior", "glass", "cauchy"]],

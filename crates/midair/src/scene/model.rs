@@ -76,6 +76,16 @@ pub enum PlateModel {
 }
 
 impl PlateModel {
+    /// The slit-mirror plate that it is, of the usual dimensions where it is ideal; and whether they are thus assumed.
+    pub fn slit_mirror_or_usual(&self) -> (SlitMirror, bool) {
+        match self {
+            Self::SlitMirror(parameters) => (*parameters, false),
+            Self::Ideal => (SlitMirror::default(), true),
+        }
+    }
+}
+
+impl PlateModel {
     /// Slit mirrors: with its own dimensions, or the usual ones if it has none.
     pub fn or_slit_mirror(self) -> SlitMirror {
         match self {

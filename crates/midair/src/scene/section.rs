@@ -130,23 +130,32 @@ fn closed(points: &[Point]) -> Vec<Piece> {
     points.iter().zip(next).map(|(&from, &to)| Piece::Line { from, to }).collect()
 }
 
+/// The surfaces of a lens of this half diameter, that on the +z side first.
+fn sags(
+    radii: [f64; 2],
+    thickness: f64,
+    rim: f64,
+    conic: [f64; 2],
+    aspheric: &[Vec<f64>; 2],
+) -> [Sag; 2] {
+    [(0, 1.0), (1, -1.0)].map(|(k, side)| Sag {
+        vertex: side * 0.5 * thickness,
+        side,
+        curvature: if radii[k] == 0.0 { 0.0 } else { radii[k].recip() },
+        conic: conic[k],
+        terms: aspheric[k].clone(),
+        reach: rim,
+    })
+}
+
 fn lens(shape: &Shape) -> Result<Profile, ProfileError> {
     let Shape::Lens { radii, thickness, diameter, conic, aspheric } = shape else {
         return Err(ProfileError::Empty);
     };
     let rim = 0.5 * diameter;
-    let surface = |k: usize| {
-        let side = if k == 0 { 1.0 } else { -1.0 };
-        let vertex = side * 0.5 * thickness;
-        let curvature = if radii[k] == 0.0 { 0.0 } else { radii[k].recip() };
-        let sag = Sag {
-            vertex,
-            side,
-            curvature,
-            conic: conic[k],
-            terms: aspheric[k].clone(),
-            reach: rim,
-        };
+    let [front, back] = sags(*radii, *thickness, rim, *conic, aspheric);
+    let surface = |k: usize, sag: Sag| {
+        let Sag { vertex, side, curvature, .. } = sag;
         let height = sag.height(rim);
         let spherical = conic[k] == 0.0 && aspheric[k].iter().all(|&a| a == 0.0);
         let (on_axis, at_rim) = ([0.0, vertex], [rim, height]);
@@ -161,7 +170,7 @@ fn lens(shape: &Shape) -> Result<Profile, ProfileError> {
         };
         (piece, height)
     };
-    let ((front, top), (back, bottom)) = (surface(0), surface(1));
+    let ((front, top), (back, bottom)) = (surface(0, front), surface(1, back));
     if !(top >= bottom) {
         return Err(ProfileError::Empty);
     }
@@ -231,16 +240,9 @@ pub(super) fn faults(
 fn lens_fault(shape: &Shape) -> Option<(&'static str, String, String)> {
     let Shape::Lens { radii, thickness, diameter, conic, aspheric } = shape else { return None };
     let rim = 0.5 * diameter;
-    let sag = |k: usize| Sag {
-        vertex: 0.0,
-        side: 1.0,
-        curvature: if radii[k] == 0.0 { 0.0 } else { radii[k].recip() },
-        conic: conic[k],
-        terms: aspheric[k].clone(),
-        reach: rim,
-    };
+    let sags = sags(*radii, *thickness, rim, *conic, aspheric);
     for k in 0..2 {
-        let limit = (1.0 + conic[k]) * sag(k).curvature.powi(2);
+        let limit = (1.0 + conic[k]) * sags[k].curvature.powi(2);
         if limit > 0.0 && limit * rim * rim > 1.0 {
             let most = 2.0 / limit.sqrt();
             return Some((
@@ -251,7 +253,7 @@ fn lens_fault(shape: &Shape) -> Option<(&'static str, String, String)> {
         }
     }
     // How thick it is from the axis to the rim.
-    let room = |r: f64| thickness - sag(0).at(r * r) - sag(1).at(r * r);
+    let room = |r: f64| thickness - sags[0].at(r * r) - sags[1].at(r * r);
     const PLACES: usize = 64;
     let least = (0..=PLACES)
         .map(|k| rim * k as f64 / PLACES as f64)

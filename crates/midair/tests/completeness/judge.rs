@@ -348,9 +348,11 @@ impl<'a> Judge<'a> {
         self.take(uv).end.st().map(|at| [at[0] - st[0], at[1] - st[1]])
     }
 
-    /// F's derivatives by differences, forward or backward, between rays of one course: beside the end of a branch even a small step may leave it.
-    fn jacobian(&mut self, uv: [f64; 2], st: [f64; 2], f: [f64; 2]) -> Option<[[f64; 2]; 2]> {
+    /// How far F is from st, and its derivatives by differences, forward or backward, between rays of one course: beside the end of a branch even a small
+    /// step may leave it.
+    fn linearised(&mut self, uv: [f64; 2], st: [f64; 2]) -> Option<([f64; 2], [[f64; 2]; 2])> {
         let here = self.take(uv);
+        let f = here.end.st().map(|at| [at[0] - st[0], at[1] - st[1]])?;
         let mut jacobian = [[0.0; 2]; 2];
         for axis in 0..2 {
             let mut difference = |h: f64| {
@@ -370,14 +372,13 @@ impl<'a> Judge<'a> {
             jacobian[0][axis] = by_axis[0];
             jacobian[1][axis] = by_axis[1];
         }
-        Some(jacobian)
+        Some((f, jacobian))
     }
 
     /// A root of F(uv) = st by Broyden's method (1965).
     fn broyden(&mut self, st: [f64; 2], start: [f64; 2]) -> Option<[f64; 2]> {
         let mut uv = start;
-        let mut f = self.residual(uv, st)?;
-        let mut jacobian = self.jacobian(uv, st, f)?;
+        let (mut f, mut jacobian) = self.linearised(uv, st)?;
         for _ in 0..30 {
             let step = solve(jacobian, [-f[0], -f[1]])?;
             if !(step[0].hypot(step[1]) < 1.0) {
@@ -402,8 +403,7 @@ impl<'a> Judge<'a> {
     /// How far an answer is from exact, and how far rounding may mislead this judgement; `None` if its light does not arrive.
     pub fn error(&mut self, x: usize, y: usize, uv: [f64; 2]) -> Option<[f64; 2]> {
         let st = pixel_centre(x, y, self.size[0], self.size[1]);
-        let f = self.residual(uv, st)?;
-        let jacobian = self.jacobian(uv, st, f)?;
+        let (f, jacobian) = self.linearised(uv, st)?;
         let off = solve(jacobian, f)?;
         // Coordinates of a metre in double precision on a display of centimetres: 1e-14, a hundredfold over a path.
         let rounding = [solve(jacobian, [1e-12, 0.0])?, solve(jacobian, [0.0, 1e-12])?];

@@ -78,11 +78,14 @@ fn compare(map: &Map, judge: &mut Judge) -> Verdict {
         {
             verdict.beyond += 1;
             worst = worst.max(off);
-            let arrives = judge.roots[index].len();
-            where_beyond += &format!(
-                "\n    off by {off:.1e} at {:?} {uv:?} {status:?}, {arrives} roots",
-                (x, y)
-            );
+            // The first few are enough to look into.
+            if verdict.beyond <= 5 {
+                let arrives = judge.roots[index].len();
+                where_beyond += &format!(
+                    "\n    off by {off:.1e} at {:?} {uv:?} {status:?}, {arrives} roots",
+                    (x, y)
+                );
+            }
         }
     }
     // Where the two disagree, it is looked at again from what the judge knows of the pixels around, as long as that tells it more.
@@ -128,8 +131,7 @@ fn compare(map: &Map, judge: &mut Judge) -> Verdict {
         }
     }
     if verdict.beyond > 0 {
-        // The first few are enough to look into.
-        verdict.text += &where_beyond.lines().take(6).collect::<Vec<_>>().join("\n");
+        verdict.text += &where_beyond;
         verdict.text += &format!("\n    worst error {worst:.2e}");
     }
     verdict

@@ -25,7 +25,7 @@ pub fn one(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let start = Instant::now();
     let depth = depth_for(&arguments.output, still.depth);
     let crop = arguments.crop([still.picture.width, still.picture.height]);
-    let mut shown = display_image(&crop.picture(&still.picture), &map);
+    let mut shown = display_image(&crop.picture(still.picture), &map);
     if let Some((gain, mode)) = gain {
         let even = even_out(&shown, &gain, mode.overflow());
         notes.push(evened(mode, even.level));
@@ -97,7 +97,7 @@ pub fn each(
         }
         let target = to.file(number);
         let crop = arguments.crop([still.picture.width, still.picture.height]);
-        let mut shown = display_image(&crop.picture(&still.picture), &map);
+        let mut shown = display_image(&crop.picture(still.picture), &map);
         if let Some(evening) = &evening {
             evening.apply(&mut shown);
         }

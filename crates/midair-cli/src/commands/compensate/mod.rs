@@ -102,7 +102,8 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let mut brightness = None;
     if let Some(still) = &mut still {
         notes.extend(fit_note(&setup, &still.picture, arguments.fit));
-        still.picture = arguments.fit.apply(&setup, &still.picture);
+        let pixels = std::mem::take(&mut still.picture.pixels);
+        still.picture = arguments.fit.apply(&setup, Picture { pixels, ..still.picture });
         let mut light = compensation.light(&still.picture);
         laps.lap("colour");
         if arguments.optimal {
