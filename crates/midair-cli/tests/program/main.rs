@@ -15,6 +15,7 @@ mod plate;
 mod play;
 mod proof;
 mod set_ups;
+mod studio;
 mod view;
 mod viewpoints;
 
