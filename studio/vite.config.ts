@@ -6,7 +6,8 @@ import { defineConfig, type Plugin } from "vite";
 function offline(): Plugin {
   return {
     name: "midair-offline",
-    generateBundle(_, bundle) {
+    // After Vite's own, which adds the pages.
+    generateBundle: { order: "post", handler(_, bundle) {
       const names = Object.keys(bundle).sort();
       const hash = createHash("sha256");
       for (const name of names) {
@@ -15,11 +16,11 @@ function offline(): Plugin {
       }
       // Meshes of the gallery are kept once they have been asked for.
       const kept = names.filter((name) => !name.endsWith(".obj"));
-      const lists = { version: hash.digest("hex").slice(0, 12), files: ["./", ...kept] };
+      const lists = { version: hash.digest("hex").slice(0, 12), files: ["./", "icon.svg", ...kept] };
       const template = readFileSync(new URL("src/offline/keeper.js", import.meta.url), "utf8");
       const source = template.replace("/* LISTS */ { version: \"\", files: [] }", JSON.stringify(lists));
       this.emitFile({ type: "asset", fileName: "keeper.js", source });
-    },
+    } },
   };
 }
 

@@ -59,7 +59,7 @@ function receive(reply: Reply, id: number) {
     case "picture": return seen.setPicture(reply.picture);
     case "taken": return void download(reply.files);
     case "fault": return fault(reply.fault);
-    case "crashed": return crashed();
+    case "crashed": return crashed(reply.why);
     case "plain": case "source": case "perspective": case "done": return;
   }
 }
@@ -103,6 +103,7 @@ function change(list: Edit[]) {
 function showScene(reply: Extract<Reply, { kind: "scene" }>, id: number) {
   const before = layout;
   layout = reply.layout;
+  ended = 0;
   if (!reply.live && steps.delete(id)) {
     if (history.now === undefined && location.hash.length <= 1) performance.mark("first-scene");
     history.push(reply.text);
@@ -234,7 +235,13 @@ function fault(found: { message: string; remedy: string | null; line: number | n
   else core.send({ kind: "change", edits: [], live: false });
 }
 
-function crashed() {
+/** How often the core has ended since it last read a scene. */
+let ended = 0;
+
+function crashed(why: string) {
+  console.warn(why);
+  // What ends it at once would end it again and again.
+  if (++ended > 3) return complain(word("gaveUp"), why);
   core.restart();
   complain(word("restarted"), null);
 }

@@ -2,7 +2,6 @@
 
 use crate::fault::thrown;
 use midair::picture::{Picture, decode_still, srgb};
-use midair_report::drawing::test_picture;
 use wasm_bindgen::prelude::*;
 
 /// A picture in linear light.
@@ -15,11 +14,6 @@ impl Still {
     /// Reads a PNG, JPEG, TIFF, WebP, BMP or OpenEXR file.
     pub fn read(name: &str, bytes: &[u8]) -> Result<Still, JsValue> {
         Ok(Self(decode_still(name.as_ref(), bytes).map_err(thrown)?.picture))
-    }
-
-    /// The picture of `midair demo`.
-    pub fn test(width: usize, height: usize) -> Still {
-        Self(test_picture::draw(width.clamp(1, 4096), height.clamp(1, 4096)))
     }
 
     /// Pixels in a row.

@@ -23,7 +23,7 @@ export class Core {
     worker.onmessage = ({ data }: MessageEvent<Told>) => this.#receive(data);
     worker.onerror = (event) => {
       event.preventDefault();
-      this.listener({ kind: "crashed" }, 0);
+      this.listener({ kind: "crashed", why: event.message }, 0);
     };
     return worker;
   }

@@ -72,7 +72,7 @@ export type Reply =
   | { kind: "source"; display: Pixels; pitch: [number, number] }
   | { kind: "perspective"; svg: string }
   | { kind: "fault"; fault: Fault }
-  | { kind: "crashed" }
+  | { kind: "crashed"; why: string }
   | { kind: "done" };
 
 export type Asked = Request & { id: number };

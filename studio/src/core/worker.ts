@@ -1,6 +1,7 @@
 // The core's own thread. What is asked for last wins: work in several stages looks for newer requests between them.
 
 import init, { catalogue, Files, Scene, schema, Still, type Fault, type Solution, type Value, type Vector } from "../../core/midair_web.js";
+import demo from "../picture.webp?url";
 import type { Asked, Drawn, Edit, Goods, NamedBytes, Pixels, Reply, Request, Seen, Told } from "./protocol.js";
 
 /** Display pixels along the longer side of a map that follows a drag. */
@@ -11,7 +12,7 @@ const [GLANCE, LOOK] = [112, 384];
 const RAYS = 7;
 
 const scope = self as unknown as { postMessage(message: unknown, transfer: Transferable[]): void };
-const files = new Files();
+let files: Files;
 let scene: Scene | undefined;
 /** The scene as it is shown: while a thing is dragged another than what is kept. */
 let live: Scene | undefined;
@@ -21,8 +22,12 @@ let eye: Vector | null = null;
 let watched: string[] = [];
 let newest = 0;
 
-const started = init().then(() => {
-  picture = Still.test(640, 640);
+/** The picture of `midair demo`, until there is another. */
+const demoBytes = fetch(demo).then((response) => response.arrayBuffer());
+
+const started = init().then(async () => {
+  files = new Files();
+  picture = Still.read("picture.webp", new Uint8Array(await demoBytes));
 });
 
 function tell(id: number, reply: Reply, transfer: Transferable[] = []) {
@@ -268,13 +273,16 @@ self.onmessage = async ({ data }: MessageEvent<Asked>) => {
       tell(id, { kind: "fault", fault: thrown });
     } else {
       // A trap: this instance is not to be used again.
-      tell(id, { kind: "crashed" });
+      tell(id, { kind: "crashed", why: String(thrown) });
     }
   }
   tell(id, { kind: "done" });
 };
 
-void started.then(() => {
-  tell(0, { kind: "ready", schema: schema(), catalogue: catalogue() });
-  tellPicture(0, "");
-});
+started.then(
+  () => {
+    tell(0, { kind: "ready", schema: schema(), catalogue: catalogue() });
+    tellPicture(0, "");
+  },
+  (thrown: unknown) => tell(0, { kind: "crashed", why: String(thrown) }),
+);

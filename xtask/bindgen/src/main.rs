@@ -11,7 +11,7 @@ fn main() -> ExitCode {
     };
     let mut bindgen = Bindgen::new();
     bindgen.input_path(module).typescript(true).remove_name_section(true);
-    bindgen.remove_producers_section(true);
+    bindgen.remove_producers_section(true).omit_default_module_path(false);
     let outcome = bindgen.web(true).and_then(|bindgen| bindgen.generate(folder));
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
