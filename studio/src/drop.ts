@@ -8,7 +8,7 @@ import { word } from "./words.js";
 const MOST_MB = { mesh: 64, picture: 64, scene: 4 };
 
 const MESHES = /\.(obj|stl|ply|off|gltf|glb)$/i;
-const PICTURES = /\.(png|jpe?g|tiff?|webp|bmp|exr)$/i;
+const PICTURES = /\.(png|jpe?g|webp|bmp|gif|avif)$/i;
 const SCENES = /\.(toml|json)$/i;
 const FILMS = /\.(mp4|webm|mov|m4v|ogv)$/i;
 

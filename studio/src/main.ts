@@ -58,6 +58,7 @@ function receive(reply: Reply, id: number) {
     case "check": return showFindings(reply.check, (lines) => change(edits(lines)));
     case "picture": return seen.setPicture(reply.picture);
     case "taken": return void download(reply.files);
+    case "unread": return complain(word("unread", { name: reply.name }), word("unreadRemedy"));
     case "fault": return fault(reply.fault);
     case "crashed": return crashed(reply.why);
     case "plain": case "source": case "perspective": case "done": return;

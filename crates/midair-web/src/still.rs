@@ -1,7 +1,7 @@
 //! Pictures.
 
-use crate::fault::thrown;
-use midair::picture::{Picture, decode_still, srgb};
+use crate::fault::refused;
+use midair::picture::{Picture, srgb};
 use wasm_bindgen::prelude::*;
 
 /// A picture in linear light.
@@ -11,9 +11,18 @@ pub struct Still(Picture);
 
 #[wasm_bindgen]
 impl Still {
-    /// Reads a PNG, JPEG, TIFF, WebP, BMP or OpenEXR file.
-    pub fn read(name: &str, bytes: &[u8]) -> Result<Still, JsValue> {
-        Ok(Self(decode_still(name.as_ref(), bytes).map_err(thrown)?.picture))
+    /// Of opaque sRGB codes, R, G, B and alpha, the top row first: browsers decode files and obey their colour profiles by themselves.
+    pub fn of_codes(width: usize, height: usize, codes: &[u8]) -> Result<Still, JsValue> {
+        let (pixels, rest) = codes.as_chunks::<4>();
+        if !rest.is_empty() || width.checked_mul(height) != Some(pixels.len()) || pixels.is_empty() {
+            return Err(refused("this is no picture", "open one that the browser shows"));
+        }
+        let light: [f32; 256] = std::array::from_fn(|code| srgb::decode(code as f64 / 255.0) as f32);
+        let pixel = |&[r, g, b, _]: &[u8; 4]| {
+            let [r, g, b] = [r, g, b].map(|code| light[usize::from(code)]);
+            [r, g, b, 1.0]
+        };
+        Ok(Self(Picture { width, height, pixels: pixels.iter().map(pixel).collect() }))
     }
 
     /// Pixels in a row.

@@ -71,6 +71,8 @@ export type Reply =
   | { kind: "taken"; files: NamedBytes[] }
   | { kind: "source"; display: Pixels; pitch: [number, number] }
   | { kind: "perspective"; svg: string }
+  /** A picture that the browser does not decode. */
+  | { kind: "unread"; name: string }
   | { kind: "fault"; fault: Fault }
   | { kind: "crashed"; why: string }
   | { kind: "done" };

@@ -27,8 +27,22 @@ const demoBytes = fetch(demo).then((response) => response.arrayBuffer());
 
 const started = init().then(async () => {
   files = new Files();
-  picture = Still.read("picture.webp", new Uint8Array(await demoBytes));
+  picture = await decoded(new Blob([await demoBytes]));
 });
+
+/** Pixels of a picture at most; larger ones are reduced to that. */
+const MOST_PIXELS = 16e6;
+
+/** A picture over black, as the browser decodes it: turned as it says, its colours in sRGB. */
+async function decoded(file: Blob): Promise<Still> {
+  const bitmap = await createImageBitmap(file);
+  const factor = Math.min(1, Math.sqrt(MOST_PIXELS / (bitmap.width * bitmap.height)));
+  const [width, height] = [bitmap.width, bitmap.height].map((side) => Math.max(1, Math.floor(side * factor))) as [number, number];
+  const context = new OffscreenCanvas(width, height).getContext("2d", { alpha: false, willReadFrequently: true })!;
+  context.drawImage(bitmap, 0, 0, width, height);
+  bitmap.close();
+  return Still.of_codes(width, height, new Uint8Array(context.getImageData(0, 0, width, height).data.buffer));
+}
 
 function tell(id: number, reply: Reply, transfer: Transferable[] = []) {
   scope.postMessage({ ...reply, id } satisfies Told, transfer);
@@ -211,7 +225,8 @@ async function answer(id: number, request: Request) {
       return views(id);
     }
     case "picture": {
-      const read = Still.read(request.name, request.bytes);
+      const read = await decoded(new Blob([request.bytes as Uint8Array<ArrayBuffer>])).catch(() => null);
+      if (!read) return tell(id, { kind: "unread", name: request.name });
       picture?.free();
       picture = read;
       tellPicture(id, request.name);

@@ -32,6 +32,7 @@ function receive(reply: Reply) {
     case "ready": return void begin(reply.catalogue);
     case "source": return show(reply.display, reply.pitch);
     case "fault": return problem(`${reply.fault.message}. ${reply.fault.remedy ?? ""}`);
+    case "unread": return problem(`${word("unread", { name: reply.name })} ${word("unreadRemedy")}`);
     case "crashed": return problem(word("restarted"));
     default: return;
   }
