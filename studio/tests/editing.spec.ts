@@ -95,8 +95,8 @@ test("the eye moves: with the compensation, or away from it", async ({ page }) =
   await select(page, "Viewer's eye");
   await page.locator("#follow").uncheck();
   await settled(page);
-  await page.locator("#space").focus();
   const before = await view(page, "compensated");
+  await page.locator("#space").focus();
   for (let step = 0; step < 4; step++) await page.keyboard.press("Shift+ArrowRight");
   await expect.poll(async () => apart(await view(page, "compensated"), before)).toBeGreaterThan(3);
   expect(await sceneText(page)).toBe(scene("ball.toml"));

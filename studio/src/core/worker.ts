@@ -18,6 +18,8 @@ let scene: Scene | undefined;
 let live: Scene | undefined;
 let solution: Solution | undefined;
 let picture: Still | undefined;
+/** The same in small: what a drag shows is no finer. */
+let small: Still | undefined;
 let eye: Vector | null = null;
 let watched: string[] = [];
 let newest = 0;
@@ -27,20 +29,26 @@ const demoBytes = fetch(demo).then((response) => response.arrayBuffer());
 
 const started = init().then(async () => {
   files = new Files();
-  picture = await decoded(new Blob([await demoBytes]));
+  [picture, small] = await decoded(new Blob([await demoBytes]));
 });
 
-/** Pixels of a picture at most; larger ones are reduced to that. */
-const MOST_PIXELS = 16e6;
+/** Pixels of a picture at most, and of its small twin; larger ones are reduced to that. */
+const [MOST_PIXELS, FEW_PIXELS] = [16e6, 256 * 256];
 
 /** A picture over black, as the browser decodes it: turned as it says, its colours in sRGB. */
-async function decoded(file: Blob): Promise<Still> {
+async function decoded(file: Blob): Promise<[Still, Still]> {
   const bitmap = await createImageBitmap(file);
-  const factor = Math.min(1, Math.sqrt(MOST_PIXELS / (bitmap.width * bitmap.height)));
+  const both: [Still, Still] = [drawn(bitmap, MOST_PIXELS), drawn(bitmap, FEW_PIXELS)];
+  bitmap.close();
+  return both;
+}
+
+function drawn(bitmap: ImageBitmap, most: number): Still {
+  const factor = Math.min(1, Math.sqrt(most / (bitmap.width * bitmap.height)));
   const [width, height] = [bitmap.width, bitmap.height].map((side) => Math.max(1, Math.floor(side * factor))) as [number, number];
   const context = new OffscreenCanvas(width, height).getContext("2d", { alpha: false, willReadFrequently: true })!;
+  context.imageSmoothingQuality = "high";
   context.drawImage(bitmap, 0, 0, width, height);
-  bitmap.close();
   return Still.of_codes(width, height, new Uint8Array(context.getImageData(0, 0, width, height).data.buffer));
 }
 
@@ -124,7 +132,7 @@ function glance(id: number, shown: Scene, mapToo = true) {
   const start = performance.now();
   const coarse = shown.solve(COARSE);
   if (mapToo) tellMap(id, coarse, true, performance.now() - start);
-  const light = coarse.light(picture!);
+  const light = coarse.light(small!);
   tellView(id, "compensated", shown, GLANCE, shown.view(light, from(), GLANCE, 1), true);
   light.free();
   coarse.free();
@@ -228,7 +236,8 @@ async function answer(id: number, request: Request) {
       const read = await decoded(new Blob([request.bytes as Uint8Array<ArrayBuffer>])).catch(() => null);
       if (!read) return tell(id, { kind: "unread", name: request.name });
       picture?.free();
-      picture = read;
+      small?.free();
+      [picture, small] = read;
       tellPicture(id, request.name);
       return scene && solution ? views(id) : undefined;
     }
