@@ -19,6 +19,7 @@
 
 pub mod character;
 pub mod colour;
+pub mod explore;
 pub mod eyebox;
 pub mod layout;
 pub mod orbit;

@@ -149,6 +149,11 @@ fn continued(nodes: Gain) -> Gain {
     }
 }
 
+/// The share of R, G, B that arrives from the display through an image point; `None` where the viewer sees none of it there.
+pub(crate) fn share_of_light(setup: &Setup, uv: [f64; 2], path: &mut Path) -> Option<[f64; 3]> {
+    Some(arriving(setup, uv, path)?.1)
+}
+
 /// Where on the display the viewer looks who looks at an image point, and which share of the light from there arrives.
 fn arriving(setup: &Setup, uv: [f64; 2], path: &mut Path) -> Option<([f64; 2], [f64; 3])> {
     let st = setup.transport(uv, path).st()?;
