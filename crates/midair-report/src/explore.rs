@@ -2,27 +2,26 @@
 
 use crate::drawing::chart_sheet::{Axis, Curve, curves, map, row};
 use crate::drawing::{Chart, colour_map};
-use midair::evaluate::explore::{Exploration, NAMES};
+use midair::evaluate::explore::{Exploration, NAMES, Point, SHARES};
 use midair::picture::Picture;
 
 /// Maps in a row of small multiples, at most.
 const MULTIPLES: usize = 6;
 /// Width and height of a map in pixels, about.
 const PLOT: usize = 240;
-/// Colours of curves that are told apart (Okabe and Ito), sRGB.
-const COLOURS: [[u8; 3]; 6] =
-    [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [230, 159, 0], [86, 180, 233]];
+/// A curve's colour (Okabe and Ito's blue), sRGB.
+const BLUE: [u8; 3] = [0, 114, 178];
 
-/// What is drawn, a picture each: a number of [`NAMES`] and what it is called.
-const DRAWN: [(usize, &str); 8] = [
-    (0, "share formed"),
-    (1, "share folded"),
-    (2, "share lost by total reflection"),
-    (7, "least magnification"),
-    (9, "mean share of light"),
-    (10, "evenness of light"),
-    (11, "stray light over the image"),
-    (12, "viewer may move sideways, mm"),
+/// What is drawn, a picture each: one of [`NAMES`] and what it is called.
+const DRAWN: [(&str, &str); 8] = [
+    ("formed", "share formed"),
+    ("folded", "share folded"),
+    ("total_reflection", "share lost by total reflection"),
+    ("least_magnification", "least magnification"),
+    ("mean_gain", "mean share of light"),
+    ("evenness", "evenness of light"),
+    ("stray", "stray light over the image"),
+    ("sideways", "viewer may move sideways, mm"),
 ];
 
 /// The pictures of an exploration by name. Over more than three axes the others stand where the best set-up has them. `units` are the axes'.
@@ -31,36 +30,27 @@ pub fn pictures(found: &Exploration, units: &[Option<&str>]) -> Vec<(String, Pic
         (0..found.axes.len()).filter(|&axis| found.axes[axis].values.len() > 1).collect();
     DRAWN
         .iter()
-        .filter_map(|&(number, title)| {
+        .filter_map(|&(name, title)| {
+            let number = NAMES.iter().position(|known| *known == name)?;
             let picture = match varied[..] {
                 [] => None,
                 [axis] => curve(found, units, axis, number, title),
                 [x, y] => sheets(found, units, [x, y], None, number, title),
                 [x, y, third, ..] => sheets(found, units, [x, y], Some(third), number, title),
             };
-            Some((format!("{}.png", NAMES[number].replace('_', "-")), picture?))
+            Some((format!("{}.png", name.replace('_', "-")), picture?))
         })
         .collect()
 }
 
-/// A number at places along the axes; NaN where there is none.
-fn number_at(found: &Exploration, places: &[usize], number: usize) -> f64 {
-    let index = places
-        .iter()
-        .zip(&found.axes)
-        .fold(0, |index, (place, axis)| index * axis.values.len() + place);
-    found.points[index].outcome.as_ref().map_or(f64::NAN, |measured| measured.numbers()[number])
+/// A number of a set-up; NaN where there is none.
+fn number_of(point: &Point, number: usize) -> f64 {
+    point.outcome.as_ref().map_or(f64::NAN, |measured| measured.numbers()[number])
 }
 
 /// Where the best set-up stands along each axis.
 fn best_places(found: &Exploration) -> Vec<usize> {
-    let mut index = found.best(1).first().copied().unwrap_or(0);
-    let mut places = vec![0; found.axes.len()];
-    for (place, axis) in places.iter_mut().zip(&found.axes).rev() {
-        *place = index % axis.values.len();
-        index /= axis.values.len();
-    }
-    places
+    found.places(found.best(1).first().copied().unwrap_or(0))
 }
 
 fn label(found: &Exploration, units: &[Option<&str>], axis: usize) -> String {
@@ -74,20 +64,13 @@ fn label(found: &Exploration, units: &[Option<&str>], axis: usize) -> String {
 
 /// The least and the largest number there is; shares reach from 0 to 1. `None` where nothing differs or is known.
 fn range(found: &Exploration, number: usize) -> Option<[f64; 2]> {
-    let known = found.points.iter().filter_map(|point| {
-        point
-            .outcome
-            .as_ref()
-            .ok()
-            .map(|measured| measured.numbers()[number])
-            .filter(|n| n.is_finite())
-    });
+    let known = found.points.iter().map(|point| number_of(point, number)).filter(|n| n.is_finite());
     let [least, most] =
         known.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], n| [a.min(n), b.max(n)]);
     if !(least < most) {
         return None;
     }
-    let is_share = number < 6 || NAMES[number] == "evenness";
+    let is_share = number < SHARES || NAMES[number] == "evenness";
     Some(if is_share { [0.0, 1.0] } else { [least, most] })
 }
 
@@ -104,7 +87,7 @@ fn curve(
     let mut points: Vec<[f64; 2]> = Vec::new();
     for (place, &value) in values.iter().enumerate() {
         places[axis] = place;
-        let n = number_at(found, &places, number);
+        let n = number_of(found.at(&places), number);
         if n.is_finite() {
             points.push([value, n]);
         }
@@ -117,7 +100,7 @@ fn curve(
     let label = label(found, units, axis);
     let x = Axis { label: &label, range: ends, intervals: 4 };
     let y = Axis { label: "", range: y, intervals: 4 };
-    Some(curves(&[Curve { name: "", colour: COLOURS[0], points }], [420, 260], title, &x, &y))
+    Some(curves(&[Curve { name: "", colour: BLUE, points }], [420, 260], title, &x, &y))
 }
 
 fn sheets(
@@ -182,7 +165,7 @@ fn plot(
         places[y] = nearest(height - 1 - row, height, counts[1]);
         for column in 0..width {
             places[x] = nearest(column, width, counts[0]);
-            let n = number_at(found, places, number);
+            let n = number_of(found.at(places), number);
             let [r, g, b] = colour_map((n - least) / (most - least));
             pixels.push(if n.is_finite() { [r, g, b, 1.0] } else { [0.0; 4] });
         }

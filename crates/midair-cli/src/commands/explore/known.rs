@@ -2,7 +2,7 @@
 
 use super::Arguments;
 use crate::failure::Failure;
-use crate::output::inputs;
+use crate::output::keep_for_folder;
 use midair::evaluate::explore::Point;
 use midair::files::Kept;
 use midair::map::format::FileError;
@@ -24,10 +24,6 @@ const FILE: &str = "points.jsonl";
 
 impl Known {
     pub fn begin(arguments: &Arguments, loaded: &Loaded) -> Result<Self, Failure> {
-        let out = &arguments.out;
-        std::fs::create_dir_all(out).map_err(|error| FileError::io(out, "create", error))?;
-        // A name of its own, whatever is written: `.`, `a/..`.
-        let out = out.canonicalize().map_err(|error| FileError::io(out, "find", error))?;
         let work = json!({
             "midair": env!("CARGO_PKG_VERSION"),
             "scene": loaded.text.text(),
@@ -35,7 +31,7 @@ impl Known {
             "resolution": arguments.resolution,
             "settle": arguments.settle,
         });
-        let kept = Kept::begin(&out, &format!("{work:#}\n"), arguments.resume, inputs())?;
+        let kept = keep_for_folder(&arguments.out, &work, arguments.resume)?;
         let path = kept.path(FILE);
         let failed = |error| FileError::io(&path, "open", error);
         let mut before = HashMap::new();

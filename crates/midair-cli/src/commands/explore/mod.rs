@@ -9,15 +9,14 @@ use crate::progress::Bar;
 use crate::summary::{Voice, milliseconds, paths, percent, wrote};
 use known::Known;
 use midair::evaluate::explore::{
-    Axis, Best, Exploration, Limit, Measured, NAMES, Point, Settings, best, explore_further, varied,
+    Axis, Best, Limit, Point, Settings, best, explore_further, varied,
 };
 use midair::files::{Output, renamed, write_bytes_atomically};
 use midair::picture::{Depth, write_still};
 use midair::scene::{Folder, Loaded, SceneEdit};
 use serde_json::{Value, json};
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Find out where an image can be formed: vary values of a scene, or search for the best set-up
 ///
@@ -119,14 +118,15 @@ impl Bench<'_> {
         let edit = SceneEdit::of(&self.loaded.text)?;
         let units: Vec<_> = axes.iter().map(|axis| edit.unit(&axis.path).ok().flatten()).collect();
         let mut output = crate::output::into_folder(&self.arguments.out)?;
-        output.write("explore.csv", |path| write_bytes_atomically(path, csv(&found).as_bytes()))?;
+        output
+            .write("explore.csv", |path| write_bytes_atomically(path, found.to_csv().as_bytes()))?;
         for (name, picture) in midair_report::explore::pictures(&found, &units) {
             output.write(&name, |path| write_still(path, &picture, Depth::Eight))?;
         }
         let shown = found.best(usize::from(self.arguments.views).max(1));
         let paths_of: Vec<&str> = axes.iter().map(|axis| axis.path.as_str()).collect();
         for (rank, &place) in shown.iter().enumerate() {
-            let scene = varied(&edit, paths_of.iter().copied(), &found.points[place].values)?;
+            let scene = varied(&edit, &paths_of, &found.points[place].values)?;
             if rank == 0 {
                 self.write_scene(&mut output, scene.clone())?;
             }
@@ -135,24 +135,12 @@ impl Bench<'_> {
             }
         }
         let looked_at = found.points.iter().filter(|point| !point.interpolated).count();
-        let mut told = json!({
-            "midair": env!("CARGO_PKG_VERSION"),
-            "command": "explore",
-            "scene": self.loaded.scene.name,
-            "resolution": self.arguments.resolution,
+        let told = json!({
             "axes": found.axes,
             "looked_at": looked_at,
             "points": found.points.iter().map(point_told).collect::<Vec<_>>(),
             "best": shown,
-            "notes": self.loaded.notes,
-            "timings_ms": { "all": milliseconds(seconds) },
         });
-        output.write("explore.json", |path| {
-            write_bytes_atomically(path, format!("{told:#}\n").as_bytes())
-        })?;
-        let files = output.finish()?;
-        known.finish()?;
-        self.voice.note(&self.loaded.notes);
         let mut lines = format!(
             "{}: {} set-ups{}\n",
             self.loaded.scene.name,
@@ -169,9 +157,8 @@ impl Bench<'_> {
             let why = found.points.iter().find_map(|point| point.outcome.as_ref().err());
             lines += &format!("no set-up can be: {}\n", why.map_or("", String::as_str));
         }
-        lines += &wrote(&files);
-        told["files"] = paths(&files);
-        self.voice.tell(&lines, &told)
+        self.conclude(output, told, seconds, &lines)?;
+        known.finish()
     }
 
     fn search(&self) -> Result<(), Failure> {
@@ -191,36 +178,46 @@ impl Bench<'_> {
         }
         let paths_of: Vec<&str> = limits.iter().map(|limit| limit.path.as_str()).collect();
         let edit = SceneEdit::of(&self.loaded.text)?;
-        let scene = varied(&edit, paths_of.iter().copied(), &point.values)?;
+        let scene = varied(&edit, &paths_of, &point.values)?;
         let mut output = crate::output::into_folder(&self.arguments.out)?;
         self.write_view(&mut output, "best-1.png", &scene)?;
         self.write_scene(&mut output, scene)?;
-        let mut told = json!({
-            "midair": env!("CARGO_PKG_VERSION"),
-            "command": "explore",
-            "scene": self.loaded.scene.name,
-            "resolution": self.arguments.resolution,
+        let told = json!({
             "limits": limits,
             "looked_at": looked_at,
             "best": point_told(point),
             "score": score,
             "score_before": before,
-            "notes": self.loaded.notes,
-            "timings_ms": { "all": milliseconds(seconds) },
         });
+        let lines = format!(
+            "{}: {looked_at} set-ups looked at; the score goes from {before:.1} to {score:.1} mm²\n{}",
+            self.loaded.scene.name,
+            line(&paths_of, point)
+        );
+        self.conclude(output, told, seconds, &lines)
+    }
+
+    /// Writes explore.json, puts all files in their place, and tells. `told` is what was found.
+    fn conclude(
+        &self,
+        mut output: Output,
+        mut told: Value,
+        time: Duration,
+        lines: &str,
+    ) -> Result<(), Failure> {
+        told["midair"] = json!(env!("CARGO_PKG_VERSION"));
+        told["command"] = json!("explore");
+        told["scene"] = json!(self.loaded.scene.name);
+        told["resolution"] = json!(self.arguments.resolution);
+        told["notes"] = json!(self.loaded.notes);
+        told["timings_ms"] = json!({ "all": milliseconds(time) });
         output.write("explore.json", |path| {
             write_bytes_atomically(path, format!("{told:#}\n").as_bytes())
         })?;
         let files = output.finish()?;
         self.voice.note(&self.loaded.notes);
-        let lines = format!(
-            "{}: {looked_at} set-ups looked at; the score goes from {before:.1} to {score:.1} mm²\n{}{}",
-            self.loaded.scene.name,
-            line(&paths_of, point),
-            wrote(&files)
-        );
         told["files"] = paths(&files);
-        self.voice.tell(&lines, &told)
+        self.voice.tell(&format!("{lines}{}", wrote(&files)), &told)
     }
 
     /// The scene of the best set-up; the files that it names are found from there.
@@ -276,38 +273,4 @@ fn point_told(point: &Point) -> Value {
         }
         Err(why) => json!({ "values": point.values, "refused": why }),
     }
-}
-
-/// All set-ups, a line each.
-fn csv(found: &Exploration) -> String {
-    let mut lines = String::new();
-    let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
-    for axis in &found.axes {
-        let name = &axis.path;
-        lines += &if name.contains([',', '"']) { quoted(name) } else { name.clone() };
-        lines.push(',');
-    }
-    lines += &NAMES.join(",");
-    lines += ",score,interpolated,refused\n";
-    for point in &found.points {
-        for value in &point.values {
-            let _ = write!(lines, "{value},");
-        }
-        match &point.outcome {
-            Ok(measured) => {
-                for number in measured.numbers().into_iter().chain([Measured::score(measured)]) {
-                    // What is not known is empty.
-                    let number =
-                        if number.is_finite() { number.to_string() } else { String::new() };
-                    let _ = write!(lines, "{number},");
-                }
-                let _ = writeln!(lines, "{},", point.interpolated);
-            }
-            Err(why) => {
-                lines += &",".repeat(NAMES.len() + 1);
-                let _ = writeln!(lines, "false,{}", quoted(why));
-            }
-        }
-    }
-    lines
 }

@@ -42,13 +42,13 @@ fn split(text: &str) -> Option<(&str, &str)> {
     (!path.is_empty() && !values.is_empty()).then_some((path, values))
 }
 
-fn number(text: &str) -> Option<f64> {
+fn value(text: &str) -> Option<f64> {
     text.trim().parse().ok().filter(|number: &f64| number.is_finite())
 }
 
 fn interval(text: &str) -> Option<[f64; 2]> {
     let (from, to) = text.split_once("..")?;
-    Some([number(from)?, number(to)?])
+    Some([value(from)?, value(to)?])
 }
 
 /// `PATH=FROM..TO:COUNT`, both ends included, or `PATH=A,B,C`.
@@ -70,7 +70,7 @@ impl FromStr for Axis {
             }
             (0..count).map(|i| from + (to - from) * i as f64 / (count - 1) as f64).collect()
         } else {
-            let numbers = told.split(',').map(number).collect::<Option<_>>();
+            let numbers = told.split(',').map(value).collect::<Option<_>>();
             numbers.ok_or_else(|| wrong("a value is no number"))?
         };
         Ok(Self { path: path.to_owned(), values })
@@ -125,6 +125,21 @@ impl Limit {
         });
         moved.chain([sized]).chain(turned).collect()
     }
+}
+
+/// The place of a combination of values along each axis: the last axis runs fastest.
+pub(super) fn places(axes: &[Axis], mut number: usize) -> Vec<usize> {
+    let mut places = vec![0; axes.len()];
+    for (place, axis) in places.iter_mut().zip(axes).rev() {
+        *place = number % axis.values.len();
+        number /= axis.values.len();
+    }
+    places
+}
+
+/// The number of the combination at these places.
+pub(super) fn number(axes: &[Axis], places: &[usize]) -> usize {
+    places.iter().zip(axes).fold(0, |number, (place, axis)| number * axis.values.len() + place)
 }
 
 /// Gives a key a value.

@@ -1,7 +1,7 @@
 //! All combinations of values, looked at coarsely first, then between neighbours that differ.
 
-use super::measured::{Measured, NAMES};
-use super::{Axis, Point};
+use super::axis::{number, places};
+use super::{Axis, Measured, NAMES, Point, SHARES};
 use crate::Monitor;
 
 /// The combinations and what is known of them.
@@ -27,25 +27,12 @@ impl<'a> Grid<'a> {
         self.points.len()
     }
 
-    /// The place of a combination along each axis.
-    fn places(&self, mut number: usize) -> Vec<usize> {
-        let mut places = vec![0; self.axes.len()];
-        for (place, axis) in places.iter_mut().zip(self.axes).rev() {
-            *place = number % axis.values.len();
-            number /= axis.values.len();
-        }
-        places
-    }
-
-    fn number(&self, places: &[usize]) -> usize {
-        places
+    pub fn values(&self, number: usize) -> Vec<f64> {
+        places(self.axes, number)
             .iter()
             .zip(self.axes)
-            .fold(0, |number, (place, axis)| number * axis.values.len() + place)
-    }
-
-    pub fn values(&self, number: usize) -> Vec<f64> {
-        self.places(number).iter().zip(self.axes).map(|(&place, axis)| axis.values[place]).collect()
+            .map(|(&place, axis)| axis.values[place])
+            .collect()
     }
 
     /// Whether a combination belongs to the level.
@@ -57,7 +44,7 @@ impl<'a> Grid<'a> {
 
     /// The combinations of the first, coarsest level.
     pub fn begin(&self) -> Vec<usize> {
-        (0..self.len()).filter(|&number| self.is_on(&self.places(number))).collect()
+        (0..self.len()).filter(|&number| self.is_on(&places(self.axes, number))).collect()
     }
 
     pub fn put(&mut self, found: Vec<(usize, Point)>) {
@@ -76,7 +63,7 @@ impl<'a> Grid<'a> {
         let mut todo = Vec::new();
         let mut between = Vec::new();
         for number in 0..self.len() {
-            let places = self.places(number);
+            let places = places(self.axes, number);
             if self.points[number].is_some() || !self.is_on(&places) {
                 continue;
             }
@@ -120,7 +107,7 @@ impl<'a> Grid<'a> {
         let mut range = [[f64::INFINITY, f64::NEG_INFINITY]; SHARES];
         for (places, weight) in corners {
             let numbers =
-                self.points[self.number(&places)].as_ref()?.outcome.as_ref().ok()?.numbers();
+                self.points[number(self.axes, &places)].as_ref()?.outcome.as_ref().ok()?.numbers();
             for (sum, number) in sum.iter_mut().zip(numbers) {
                 *sum += weight * number;
             }
@@ -132,21 +119,8 @@ impl<'a> Grid<'a> {
         settled.then(|| Measured::of_numbers(sum))
     }
 
-    /// All points; after the last level each is known.
+    /// All points: after the last level each is known.
     pub fn into_points(self) -> Vec<Point> {
-        let values: Vec<Vec<f64>> = (0..self.len()).map(|number| self.values(number)).collect();
-        let unknown = |values| Point {
-            values,
-            outcome: Err("not looked at".to_owned()),
-            interpolated: false,
-        };
-        self.points
-            .into_iter()
-            .zip(values)
-            .map(|(point, values)| point.unwrap_or_else(|| unknown(values)))
-            .collect()
+        self.points.into_iter().flatten().collect()
     }
 }
-
-/// The first numbers of a [`Measured`], which are shares of the image.
-const SHARES: usize = 6;

@@ -4,68 +4,69 @@ use crate::geometry::Vec3;
 use crate::map::{Accuracy, ImagePoint, formation, invert, pixel_centre};
 use crate::optics::plate::SlitMirrorPlate;
 use crate::scene::model::PlateModel;
-use crate::simulate::{Sights, share_of_light};
+use crate::simulate::{Sights, share_along};
 use crate::transport::{End, Path, Setup};
 use serde::{Deserialize, Serialize};
 
-/// What becomes of a set-up's image.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[non_exhaustive]
-pub struct Measured {
-    /// The share of the image that is formed.
-    pub formed: f64,
-    /// The share whose display pixels are seen at other image points as well.
-    pub folded: f64,
-    /// The share that ends by total internal reflection.
-    pub total_reflection: f64,
-    /// The share that opaque parts stop.
-    pub stopped: f64,
-    /// The share whose paths go past the plate or meet it from behind.
-    pub missed_plate: f64,
-    /// The share whose paths go past the display.
-    pub missed_display: f64,
-    /// Width times height of the image times the share that is formed, mm².
-    pub formed_area: f64,
-    /// The least length on the image of a millimetre on the display, over the formed points and all directions; NaN without any.
-    #[serde(with = "no_number")]
-    pub least_magnification: f64,
-    /// The largest.
-    #[serde(with = "no_number")]
-    pub largest_magnification: f64,
-    /// The mean share of the display's light that arrives through the formed points; NaN without any.
-    #[serde(with = "no_number")]
-    pub mean_gain: f64,
-    /// The least share over the largest.
-    #[serde(with = "no_number")]
-    pub evenness: f64,
-    /// Light of stray images over the image, as a share of the image's own, through the scene's slit-mirror plate or the usual one.
-    #[serde(with = "no_number")]
-    pub stray: f64,
-    /// How far the viewer may move to either side until a twentieth of the formed points is lost, while the display follows, mm.
-    #[serde(with = "no_number")]
-    pub sideways: f64,
-    /// The same up and down.
-    #[serde(with = "no_number")]
-    pub up_and_down: f64,
+/// The numbers said once: the struct, their names, and both ways between it and a list of them.
+macro_rules! measured {
+    ($($(#[$about:meta])* $name:ident),* $(,)?) => {
+        /// What becomes of a set-up's image.
+        #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+        #[non_exhaustive]
+        pub struct Measured {
+            $($(#[$about])* #[serde(with = "no_number")] pub $name: f64,)*
+        }
+
+        /// The names of a [`Measured`]'s numbers, in their order.
+        pub const NAMES: [&str; [$(stringify!($name)),*].len()] = [$(stringify!($name)),*];
+
+        impl Measured {
+            /// The numbers, in the order of [`NAMES`].
+            pub fn numbers(&self) -> [f64; NAMES.len()] {
+                [$(self.$name),*]
+            }
+
+            pub(super) fn of_numbers([$($name),*]: [f64; NAMES.len()]) -> Self {
+                Self { $($name),* }
+            }
+        }
+    };
 }
 
-/// The names of a [`Measured`]'s numbers, in their order.
-pub const NAMES: [&str; 14] = [
-    "formed",
-    "folded",
-    "total_reflection",
-    "stopped",
-    "missed_plate",
-    "missed_display",
-    "formed_area",
-    "least_magnification",
-    "largest_magnification",
-    "mean_gain",
-    "evenness",
-    "stray",
-    "sideways",
-    "up_and_down",
-];
+measured! {
+    /// The share of the image that is formed.
+    formed,
+    /// The share whose display pixels are seen at other image points as well.
+    folded,
+    /// The share that ends by total internal reflection.
+    total_reflection,
+    /// The share that opaque parts stop.
+    stopped,
+    /// The share whose paths go past the plate or meet it from behind.
+    missed_plate,
+    /// The share whose paths go past the display.
+    missed_display,
+    /// Width times height of the image times the share that is formed, mm².
+    formed_area,
+    /// The least length on the image of a millimetre on the display, over the formed points and all directions; NaN without any.
+    least_magnification,
+    /// The largest.
+    largest_magnification,
+    /// The mean share of the display's light that arrives through the formed points; NaN without any.
+    mean_gain,
+    /// The least share over the largest.
+    evenness,
+    /// Light of stray images over the image, as a share of the image's own, through the scene's slit-mirror plate or the usual one.
+    stray,
+    /// How far the viewer may move to either side until a twentieth of the formed points is lost, while the display follows, mm.
+    sideways,
+    /// The same up and down.
+    up_and_down,
+}
+
+/// So many of the numbers, from the first, are shares of the image: together they are all of it.
+pub const SHARES: usize = 6;
 
 /// JSON has no NaN: null.
 mod no_number {
@@ -81,61 +82,6 @@ mod no_number {
 }
 
 impl Measured {
-    /// The numbers, in the order of [`NAMES`].
-    pub fn numbers(&self) -> [f64; NAMES.len()] {
-        [
-            self.formed,
-            self.folded,
-            self.total_reflection,
-            self.stopped,
-            self.missed_plate,
-            self.missed_display,
-            self.formed_area,
-            self.least_magnification,
-            self.largest_magnification,
-            self.mean_gain,
-            self.evenness,
-            self.stray,
-            self.sideways,
-            self.up_and_down,
-        ]
-    }
-
-    pub(super) fn of_numbers(numbers: [f64; NAMES.len()]) -> Self {
-        let [
-            formed,
-            folded,
-            total_reflection,
-            stopped,
-            missed_plate,
-            missed_display,
-            formed_area,
-            least_magnification,
-            largest_magnification,
-            mean_gain,
-            evenness,
-            stray,
-            sideways,
-            up_and_down,
-        ] = numbers;
-        Self {
-            formed,
-            folded,
-            total_reflection,
-            stopped,
-            missed_plate,
-            missed_display,
-            formed_area,
-            least_magnification,
-            largest_magnification,
-            mean_gain,
-            evenness,
-            stray,
-            sideways,
-            up_and_down,
-        }
-    }
-
     /// How good it is, mm²: the area that is formed, times the share that it is of the image, so that half of a large image is no better than all of
     /// one with half the area; a tenth less where the dimmest point has a third of the brightest one's light, and less by the stray light.
     pub fn score(&self) -> f64 {
@@ -159,7 +105,7 @@ const HALVINGS: usize = 8;
 pub(super) fn measure(setup: &Setup, plate: &PlateModel, side: usize) -> Measured {
     let (map, _) = invert(setup, Accuracy::default());
     let image = formation(setup, &map, [side; 2]);
-    let mut counts = [0usize; 6];
+    let mut counts = [0usize; SHARES];
     for point in &image.points {
         let fate = match point {
             ImagePoint::Formed => 0,
@@ -224,10 +170,8 @@ fn light(setup: &Setup) -> [f64; 2] {
     let mut path = Path::new();
     let (mut sum, mut count, mut range) = (0.0, 0usize, [f64::INFINITY, 0.0_f64]);
     for uv in points(COARSE) {
-        if setup.transport(uv, &mut path).formed().is_none() {
-            continue;
-        }
-        let Some(share) = share_of_light(setup, uv, &mut path) else { continue };
+        let formed = setup.transport(uv, &mut path).formed();
+        let Some(share) = formed.and_then(|_| share_along(setup, uv, &path)) else { continue };
         let mean = share.iter().sum::<f64>() / 3.0;
         (sum, count) = (sum + mean, count + 1);
         range = [range[0].min(mean), range[1].max(mean)];

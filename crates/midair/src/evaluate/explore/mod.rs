@@ -22,9 +22,10 @@ mod search;
 mod tests;
 
 pub use axis::{Axis, AxisError, Limit};
-pub use measured::{Measured, NAMES};
+pub use measured::{Measured, NAMES, SHARES};
 pub use search::{Best, best};
 
+use super::csv::{self, Table};
 use crate::Monitor;
 use crate::scene::{Assets, Loaded, SceneEdit, SceneError};
 use crate::transport::Setup;
@@ -92,6 +93,37 @@ impl Exploration {
         places.sort_by(|&a, &b| score(b).total_cmp(&score(a)));
         places.truncate(most);
         places
+    }
+
+    /// Where a point stands along each axis: the number of its value there.
+    pub fn places(&self, point: usize) -> Vec<usize> {
+        axis::places(&self.axes, point)
+    }
+
+    /// The point at these places along the axes.
+    pub fn at(&self, places: &[usize]) -> &Point {
+        &self.points[axis::number(&self.axes, places)]
+    }
+
+    /// All set-ups, a row each: the values, what was found, and why it was refused. What is not known is empty.
+    pub fn to_csv(&self) -> String {
+        let more = NAMES.into_iter().chain(["score", "interpolated", "refused"]);
+        let axes = self.axes.iter().map(|axis| axis.path.as_str());
+        let mut table = Table::new(axes.chain(more).map(str::to_owned).collect());
+        for point in &self.points {
+            let mut fields: Vec<String> = point.values.iter().map(f64::to_string).collect();
+            match &point.outcome {
+                Ok(measured) => {
+                    let numbers = measured.numbers().into_iter().chain([measured.score()]);
+                    fields.extend(numbers.map(|number| csv::number(Some(number))));
+                }
+                Err(_) => fields.extend(vec![String::new(); NAMES.len() + 1]),
+            }
+            fields.push(point.interpolated.to_string());
+            fields.push(point.outcome.as_ref().err().cloned().unwrap_or_default());
+            table.row(fields);
+        }
+        table.finish()
     }
 }
 
@@ -172,7 +204,7 @@ fn look_at(
     settings: &Settings,
     files: &(dyn Assets + Sync),
 ) -> Result<Measured, String> {
-    let varied = varied(edit, paths.iter().copied(), values);
+    let varied = varied(edit, paths, values);
     let varied = varied.and_then(|edit| loaded.changed(&edit, files));
     let varied = varied.map_err(|error| error.message.clone())?;
     let setup = Setup::new(&varied).map_err(|error| error.to_string())?;
@@ -184,13 +216,9 @@ fn look_at(
 ///
 /// # Errors
 /// [`SceneError`] where there is no such key, or a value does not conform.
-pub fn varied<'a>(
-    edit: &SceneEdit,
-    paths: impl Iterator<Item = &'a str>,
-    values: &[f64],
-) -> Result<SceneEdit, SceneError> {
+pub fn varied(edit: &SceneEdit, paths: &[&str], values: &[f64]) -> Result<SceneEdit, SceneError> {
     let mut edit = edit.clone();
-    for (path, &value) in paths.zip(values) {
+    for (path, &value) in paths.iter().zip(values) {
         axis::put(&mut edit, path, value)?;
     }
     Ok(edit)
