@@ -205,7 +205,6 @@ function placed(part: Part, position: Vector, rotation: Vector): Edit[] {
 function dragged(part: Part, position: Vector, rotation: Vector, done: boolean) {
   if (part === "eye" && !follows()) {
     elsewhere = position;
-    if (layout) layout = { ...layout, eye: position };
     space?.moveEye(position);
     if (done) core.send({ kind: "eye", eye: position, live: false });
     else core.drag({ eye: position });
@@ -224,8 +223,11 @@ function nudged(event: KeyboardEvent) {
   if (!way || !layout) return;
   event.preventDefault();
   const body = typeof selected === "number" ? layout.bodies[selected] : undefined;
-  const from = body?.position ?? layout.eye;
+  const from = body?.position ?? elsewhere ?? layout.eye;
   const to = from.map((c, axis) => c + step * way[axis]!) as Vector;
+  // The next key may come before the core's answer: it goes on from here.
+  if (body) layout = { ...layout, bodies: layout.bodies.map((other) => (other === body ? { ...body, position: to } : other)) };
+  else if (follows()) layout = { ...layout, eye: to };
   dragged(selected, to, body?.rotation ?? [0, 0, 0], true);
 }
 

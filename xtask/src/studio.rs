@@ -97,7 +97,7 @@ pub fn test() -> Tally {
 }
 
 fn build() -> Result<()> {
-    let module = wasm::build(CORE, "studio")?;
+    let module = wasm::build(CORE)?;
     process::run(&mut process::cargo(&["build", "--quiet", "--package", BINDGEN]))?;
     let mut bindgen = Command::new(book::program_folder(Profile::Dev).join(BINDGEN));
     process::run(bindgen.arg(module).arg(folder().join("core")))?;

@@ -57,13 +57,15 @@ pub fn schema() -> JsValue {
 /// What people have and can choose from: plates, displays, glasses, and the kinds of map files.
 #[wasm_bindgen(unchecked_return_type = "Catalogue")]
 pub fn catalogue() -> JsValue {
-    let plates = devices::PLATES.iter().map(|plate| json!({ "name": plate.name, "size": plate.size }));
+    let plates =
+        devices::PLATES.iter().map(|plate| json!({ "name": plate.name, "size": plate.size }));
     let displays = devices::DISPLAYS.iter().map(|display| {
         let [width, height] = display.size();
         let pitch = [width / display.resolution[0] as f64, height / display.resolution[1] as f64];
         json!({ "name": display.name, "resolution": display.resolution, "size": [width, height], "pitch": pitch })
     });
-    let formats = Format::all().map(|format| json!({ "name": format.name(), "file": format.file_name() }));
+    let formats =
+        Format::all().map(|format| json!({ "name": format.name(), "file": format.file_name() }));
     data(&json!({
         "plates": plates.collect::<Vec<_>>(),
         "displays": displays.collect::<Vec<_>>(),

@@ -55,7 +55,8 @@ impl Scene {
     /// What it says at these keys, be it by default; null where it leaves a key out or there is none.
     #[wasm_bindgen(unchecked_return_type = "Value[]")]
     pub fn values(&self, keys: Vec<String>) -> JsValue {
-        let value = |key: &String| self.edit.get(key).ok().flatten().map_or(Value::Null, |v| json!(v));
+        let value =
+            |key: &String| self.edit.get(key).ok().flatten().map_or(Value::Null, |v| json!(v));
         data(&keys.iter().map(value).collect())
     }
 
@@ -67,13 +68,16 @@ impl Scene {
     ) -> Result<Scene, JsValue> {
         let changes = js_sys::JSON::stringify(&changes).ok().and_then(|text| text.as_string());
         let changes: Option<Vec<Value>> = changes.and_then(|text| serde_json::from_str(&text).ok());
-        let read = |change: &Value| Some((change["key"].as_str()?.to_owned(), setting(&change["value"])?));
-        let changes = changes.and_then(|changes| changes.iter().map(read).collect::<Option<Vec<_>>>());
+        let read =
+            |change: &Value| Some((change["key"].as_str()?.to_owned(), setting(&change["value"])?));
+        let changes =
+            changes.and_then(|changes| changes.iter().map(read).collect::<Option<Vec<_>>>());
         let Some(changes) = changes else {
             return Err(refused("this is no value of a scene", "give a number, a text or a list"));
         };
         self.edited(files, |edit| {
-            let changes: Vec<_> = changes.iter().map(|(key, value)| (&key[..], value.clone())).collect();
+            let changes: Vec<_> =
+                changes.iter().map(|(key, value)| (&key[..], value.clone())).collect();
             edit.change(&changes)
         })
     }
@@ -147,7 +151,12 @@ impl Scene {
     }
 
     /// What is to be seen: the picture with no object in the way.
-    pub fn reference(&self, picture: &Still, width: usize, rays: usize) -> Result<Vec<u8>, JsValue> {
+    pub fn reference(
+        &self,
+        picture: &Still,
+        width: usize,
+        rays: usize,
+    ) -> Result<Vec<u8>, JsValue> {
         let camera = self.camera(None, width, rays)?;
         let [columns, rows] = camera.size;
         // As a display shows it that is just as fine as the view.

@@ -14,10 +14,12 @@ impl Still {
     /// Of opaque sRGB codes, R, G, B and alpha, the top row first: browsers decode files and obey their colour profiles by themselves.
     pub fn of_codes(width: usize, height: usize, codes: &[u8]) -> Result<Still, JsValue> {
         let (pixels, rest) = codes.as_chunks::<4>();
-        if !rest.is_empty() || width.checked_mul(height) != Some(pixels.len()) || pixels.is_empty() {
+        if !rest.is_empty() || width.checked_mul(height) != Some(pixels.len()) || pixels.is_empty()
+        {
             return Err(refused("this is no picture", "open one that the browser shows"));
         }
-        let light: [f32; 256] = std::array::from_fn(|code| srgb::decode(code as f64 / 255.0) as f32);
+        let light: [f32; 256] =
+            std::array::from_fn(|code| srgb::decode(code as f64 / 255.0) as f32);
         let pixel = |&[r, g, b, _]: &[u8; 4]| {
             let [r, g, b] = [r, g, b].map(|code| light[usize::from(code)]);
             [r, g, b, 1.0]

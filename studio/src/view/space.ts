@@ -130,6 +130,7 @@ export class Space {
   moveEye(to: Vector) {
     this.#eye.position.set(...to);
     if (this.#layout) this.#eye.lookAt(...this.#layout.image);
+    if (!this.#handles.dragging) this.#hold();
     this.draw();
   }
 
@@ -171,7 +172,7 @@ export class Space {
   #hold() {
     const part = this.#selected;
     const body = typeof part === "number" ? this.#bodies[part]?.body : undefined;
-    if (part === "eye" && this.#layout) pose(this.#held, this.#layout.eye, [0, 0, 0]);
+    if (part === "eye") pose(this.#held, this.#eye.position.toArray(), [0, 0, 0]);
     else if (body) pose(this.#held, body.position, body.rotation);
     else return void this.#handles.detach();
     this.#handles.attach(this.#held);

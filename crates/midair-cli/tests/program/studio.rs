@@ -23,7 +23,8 @@ impl Drop for Studio {
 
 impl Studio {
     fn start(bench: &Bench, more: &[&str]) -> Self {
-        let mut command = bench.command(&["studio", "--no-browser", "--port", "0", "--page", "page"]);
+        let mut command =
+            bench.command(&["studio", "--no-browser", "--port", "0", "--page", "page"]);
         command.args(more).stdout(Stdio::piped());
         let mut child = command.spawn().unwrap();
         let lines = BufReader::new(child.stdout.take().unwrap()).lines().map_while(Result::ok);

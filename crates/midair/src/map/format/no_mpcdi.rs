@@ -4,12 +4,7 @@ use super::{FileError, LoadedMap, Put};
 use crate::map::Map;
 use std::path::Path;
 
-pub(super) fn write(
-    _: &Map,
-    _: [usize; 2],
-    path: &Path,
-    _: &mut Put<'_>,
-) -> Result<(), FileError> {
+pub(super) fn write(_: &Map, _: [usize; 2], path: &Path, _: &mut Put<'_>) -> Result<(), FileError> {
     Err(absent(path))
 }
 

@@ -7,11 +7,7 @@ use npyz::WriterBuilder;
 use std::io;
 use std::path::{Path, PathBuf};
 
-pub(super) fn write(
-    map: &Map,
-    path: &Path,
-    put: &mut Put<'_>,
-) -> Result<Vec<PathBuf>, FileError> {
+pub(super) fn write(map: &Map, path: &Path, put: &mut Put<'_>) -> Result<Vec<PathBuf>, FileError> {
     let (height, width) = (map.height as u64, map.width as u64);
     let uv = map.uv.iter().flat_map(|&uv| answer(uv).unwrap_or([f64::NAN; 2]));
     put(path, &encode_array(path, &[height, width, 2], uv)?)?;

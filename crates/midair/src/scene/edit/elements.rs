@@ -180,13 +180,14 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_refused_and_the_text_stays() {
         let mut edit = scene();
-        let refusals: [&mut dyn FnMut(&mut SceneEdit) -> Result<(), SceneError>; 6] = [
-            &mut |edit| edit.remove_element(1),
-            &mut |edit| edit.copy_element(7, "b"),
-            &mut |edit| edit.add_element("name = 3"),
-            &mut |edit| edit.set_block("element.a.shape", "{ kind = \"box\" }"),
-            &mut |edit| edit.set_block("element.a.shape", "nonsense"),
-            &mut |edit| edit.change(&[("element.a.material.ior", None)]),
+        type Change = fn(&mut SceneEdit) -> Result<(), SceneError>;
+        let refusals: [Change; 6] = [
+            |edit| edit.remove_element(1),
+            |edit| edit.copy_element(7, "b"),
+            |edit| edit.add_element("name = 3"),
+            |edit| edit.set_block("element.a.shape", "{ kind = \"box\" }"),
+            |edit| edit.set_block("element.a.shape", "nonsense"),
+            |edit| edit.change(&[("element.a.material.ior", None)]),
         ];
         for refused in refusals {
             refused(&mut edit).unwrap_err();
