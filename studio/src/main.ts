@@ -2,7 +2,7 @@
 
 import type { Catalogue, Layout, Line, Schema, Vector } from "../core/midair_web.js";
 import { Core } from "./core/client.js";
-import type { Edit, Goods, NamedBytes, Reply, Warp } from "./core/protocol.js";
+import { LAYERS, type Edit, type Goods, type NamedBytes, type Reply, type Warp } from "./core/protocol.js";
 import { takeFiles } from "./drop.js";
 import { showFindings } from "./findings.js";
 import { galleryDialog } from "./gallery-dialog.js";
@@ -327,6 +327,8 @@ chooser("modes", "mode", (mode) => space && (space.mode = mode as "translate" | 
 chooser("tabs", "seen", (shown) => {
   try {
     seen.choose(shown as Shown);
+    core.send({ kind: "layer", layer: LAYERS.find((layer) => layer === shown) ?? null });
+    by("layer-note").textContent = shown === "brightness" ? word("brightnessNote") : shown === "stray" ? word("strayNote") : "";
   } catch {
     complain(word("noGraphics"), word("noGraphicsRemedy"));
   }

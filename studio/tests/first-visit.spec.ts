@@ -23,6 +23,29 @@ test("the first visit shows the ball compensated, without a click", async ({ pag
   await page.screenshot({ path: `${folder}/studio.png` });
 });
 
+test("brightness and stray light are layers of what is seen", async ({ page }) => {
+  await open(page);
+  await settled(page);
+  const layer = async (which: string) => {
+    await page.locator(`[data-seen=${which}]`).click();
+    await expect.poll(() => page.locator("#view").evaluate((canvas: HTMLCanvasElement) => canvas.width)).toBe(192);
+    const pixels = await view(page, which);
+    return (x: number, y: number) => pixels.slice(4 * (192 * y + x), 4 * (192 * y + x) + 3);
+  };
+  // Towards a ball's outline less light passes (Fresnel): the middle is the brightest, the corners are the dimmest.
+  const bright = await layer("brightness");
+  for (const [x, y] of [[0, 0], [191, 0], [0, 191], [191, 191]] as const) expect(bright(96, 96)[0]! - bright(x, y)[0]!).toBeGreaterThan(50);
+  expect(bright(96, 96)[0]).toBeGreaterThan(250);
+  // A quarter of the layer's width is the image, which has no colour where no stray light lies over it; beyond there are the stray images alone.
+  const stray = await layer("stray");
+  expect(Math.min(...stray(96, 96))).toBeGreaterThan(0);
+  let coloured = 0;
+  for (let y = 0; y < 192; y++) for (let x = 0; x < 192; x++) coloured += Number(new Set(stray(x, y)).size > 1);
+  expect(coloured).toBeGreaterThan(20);
+  await page.locator("[data-seen=compensated]").click();
+  await expect.poll(() => page.locator("#view").evaluate((canvas: HTMLCanvasElement) => canvas.width)).toBe(384);
+});
+
 test("the display image is drawn live", async ({ page }) => {
   await open(page);
   await page.locator("[data-seen=display]").click();

@@ -10,12 +10,15 @@ use midair::evaluate::layout::Layout;
 use midair::evaluate::preflight;
 use midair::geometry::Vec3;
 use midair::map::Map;
+use midair::optics::plate::SlitMirrorPlate;
 use midair::picture::optimal::{ViewRays, view_through};
-use midair::picture::{check_size, display_image};
+use midair::picture::{Picture, check_size, display_image};
 use midair::scene::{Format, Loaded, SceneEdit, SceneError, Setting, load_text, to_toml};
-use midair::simulate::{Camera, Reference, check_view};
+use midair::simulate::{Camera, Reference, Sights, check_view, faded_view};
 use midair::transport::Setup;
 use midair_report::drawing::set_up;
+use midair_report::proof::field_picture;
+use midair_report::stray;
 use serde_json::{Value, json};
 use wasm_bindgen::prelude::*;
 
@@ -27,6 +30,11 @@ pub struct Scene {
     setup: Setup,
     layout: Layout,
 }
+
+/// Views of stray light show so much more than the image, along each side.
+const STRAY_WINDOW: f64 = 4.0;
+/// Pixels along the longer side of the map that tells which part of the display is lit.
+const STRAY_MAP: usize = 256;
 
 /// A scene's text is bounded: what is larger is no text that a person has written.
 const MOST_BYTES: usize = 1 << 26;
@@ -162,6 +170,23 @@ impl Scene {
         // As a display shows it that is just as fine as the view.
         let flat = Still::of(display_image(picture.picture(), &Map::identity(columns, rows)));
         seen(&Reference::new(&self.setup, &camera), &flat)
+    }
+
+    /// How bright a white field is over the image, stretched so that differences show: sRGB codes of a view `width` pixels wide.
+    pub fn brightness(&self, width: usize) -> Vec<u8> {
+        let white = Picture { width: 1, height: 1, pixels: vec![[1.0; 4]] };
+        let size = self.setup.view_size(width.max(1));
+        codes(&field_picture(&faded_view(&self.setup, &white, size, |_, _| true)))
+    }
+
+    /// The image (white) and the plate's stray light (orange, blue, green) over [`STRAY_WINDOW`] times its width and height: sRGB codes.
+    pub fn stray(&self, width: usize) -> Result<Vec<u8>, JsValue> {
+        let (parameters, _) = self.loaded.scene.plate.model.slit_mirror_or_usual();
+        let plate = SlitMirrorPlate::new(parameters).map_err(thrown)?;
+        let map = self.solve(Some(STRAY_MAP))?;
+        let size = self.setup.view_size(width.max(1));
+        let sights = Sights::new(&self.setup, size, STRAY_WINDOW);
+        Ok(codes(&stray::picture(&sights.through(&plate, map.setup(), map.map()))))
     }
 
     /// Height of a view that is so many pixels wide.

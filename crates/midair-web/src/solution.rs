@@ -98,11 +98,11 @@ impl Solution {
         Self { compensation: Compensation::of(&setup, &Options::new(), &()) }
     }
 
-    fn map(&self) -> &Map {
+    pub(crate) fn map(&self) -> &Map {
         self.compensation.map()
     }
 
-    fn setup(&self) -> &Setup {
+    pub(crate) fn setup(&self) -> &Setup {
         self.compensation.setup()
     }
 

@@ -27,6 +27,8 @@ export type Request =
   | { kind: "eye"; eye: Vector | null; live: boolean }
   | { kind: "picture"; name: string; bytes: Uint8Array }
   | { kind: "watch"; keys: string[] }
+  /** The layer that is shown from now on; null: none is. */
+  | { kind: "layer"; layer: Layer | null }
   | { kind: "files"; files: NamedBytes[] }
   | { kind: "take"; goods: Goods }
   | { kind: "source"; even: boolean }
@@ -58,7 +60,10 @@ export interface Warp {
   pixels: Float32Array<ArrayBuffer>;
 }
 
-export type Seen = "compensated" | "uncompensated" | "reference";
+/** What is worked out only while it is shown. */
+export const LAYERS = ["brightness", "stray"] as const;
+export type Layer = (typeof LAYERS)[number];
+export type Seen = "compensated" | "uncompensated" | "reference" | Layer;
 
 export type Reply =
   | { kind: "ready"; schema: Schema; catalogue: Catalogue }

@@ -2,12 +2,14 @@
 
 import init, { catalogue, Files, Scene, schema, Still, type Fault, type Solution, type Value, type Vector } from "../../core/midair_web.js";
 import demo from "../picture.webp?url";
-import type { Asked, Drawn, Edit, Goods, NamedBytes, Pixels, Reply, Request, Seen, Told } from "./protocol.js";
+import type { Asked, Drawn, Edit, Goods, Layer, NamedBytes, Pixels, Reply, Request, Seen, Told } from "./protocol.js";
 
 /** Display pixels along the longer side of a map that follows a drag. */
 const COARSE = 128;
 /** View pixels in a row that follow a drag, and at rest. */
 const [GLANCE, LOOK] = [112, 384];
+/** The same of a layer. */
+const LAYER = 192;
 /** Rays along each side of the image that are drawn. */
 const RAYS = 7;
 
@@ -22,6 +24,7 @@ let picture: Still | undefined;
 let small: Still | undefined;
 let eye: Vector | null = null;
 let watched: string[] = [];
+let layer: Layer | null = null;
 let newest = 0;
 
 /** The picture of `midair demo`, until there is another. */
@@ -154,7 +157,17 @@ async function look(id: number) {
   if (stale()) return;
   await pause();
   if (stale()) return;
+  tellLayer(id);
+  await pause();
+  if (stale()) return;
   tell(id, { kind: "check", check: scene!.check() });
+}
+
+/** What is shown of light besides the picture. */
+function tellLayer(id: number) {
+  if (!layer || !scene) return;
+  const rgba = layer === "brightness" ? scene.brightness(LAYER) : scene.stray(LAYER);
+  tellView(id, layer, scene, LAYER, rgba, false);
 }
 
 async function views(id: number) {
@@ -245,6 +258,10 @@ async function answer(id: number, request: Request) {
       watched = request.keys;
       if (live) tellScene(id, live, live !== scene);
       return;
+    }
+    case "layer": {
+      layer = request.layer;
+      return tellLayer(id);
     }
     case "files": return add(request.files);
     case "take": {
