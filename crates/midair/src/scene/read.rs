@@ -9,13 +9,19 @@ use std::path::PathBuf;
 /// A table with the block that it conforms to: values given, else the grammar's defaults.
 ///
 /// Every getter is `None` where the key is neither given nor has a default of that type.
-struct Fields<'a> {
+pub struct Fields<'a> {
     block: &'a Block,
     table: &'a [Entry],
 }
 
 impl<'a> Fields<'a> {
-    fn given(&self, key: &str) -> Option<&'a Node> {
+    /// A table that conforms to a block.
+    pub fn new(block: &'a Block, table: &'a [Entry]) -> Self {
+        Self { block, table }
+    }
+
+    /// What stands at a key.
+    pub fn given(&self, key: &str) -> Option<&'a Node> {
         self.table.iter().find(|e| e.key == key).map(|e| &e.node)
     }
 
@@ -23,7 +29,8 @@ impl<'a> Fields<'a> {
         self.block.keys.iter().find(|k| k.name == key).map(|k| &k.need)
     }
 
-    fn number(&self, key: &str) -> Option<f64> {
+    /// A number.
+    pub fn number(&self, key: &str) -> Option<f64> {
         match self.given(key) {
             Some(node) => number(node),
             None => match self.default(key)? {
@@ -33,7 +40,8 @@ impl<'a> Fields<'a> {
         }
     }
 
-    fn integer(&self, key: &str) -> Option<i64> {
+    /// A whole number.
+    pub fn integer(&self, key: &str) -> Option<i64> {
         match self.given(key) {
             Some(Node { value: Value::Integer(i), .. }) => Some(*i),
             Some(_) => None,
@@ -44,7 +52,8 @@ impl<'a> Fields<'a> {
         }
     }
 
-    fn numbers<const N: usize>(&self, key: &str) -> Option<[f64; N]> {
+    /// So many numbers.
+    pub fn numbers<const N: usize>(&self, key: &str) -> Option<[f64; N]> {
         match self.given(key) {
             Some(Node { value: Value::List(list), .. }) => {
                 list.iter().map(number).collect::<Option<Vec<_>>>()?.try_into().ok()
@@ -57,7 +66,8 @@ impl<'a> Fields<'a> {
         }
     }
 
-    fn sizes<const N: usize>(&self, key: &str) -> Option<[usize; N]> {
+    /// So many sizes.
+    pub fn sizes<const N: usize>(&self, key: &str) -> Option<[usize; N]> {
         let integers: Vec<i64> = match self.given(key) {
             Some(Node { value: Value::List(list), .. }) => list
                 .iter()
@@ -76,14 +86,16 @@ impl<'a> Fields<'a> {
         sizes?.try_into().ok()
     }
 
-    fn colour(&self, key: &str) -> Option<[f64; 3]> {
+    /// Red, green and blue; one number stands for all three.
+    pub fn colour(&self, key: &str) -> Option<[f64; 3]> {
         match self.given(key) {
             Some(Node { value: Value::List(_), .. }) => self.numbers(key),
             _ => self.number(key).map(|n| [n; 3]),
         }
     }
 
-    fn flag(&self, key: &str) -> Option<bool> {
+    /// True or false.
+    pub fn flag(&self, key: &str) -> Option<bool> {
         match self.given(key) {
             Some(Node { value: Value::Flag(flag), .. }) => Some(*flag),
             Some(_) => None,
@@ -94,7 +106,8 @@ impl<'a> Fields<'a> {
         }
     }
 
-    fn text(&self, key: &str) -> Option<&'a str> {
+    /// A text.
+    pub fn text(&self, key: &str) -> Option<&'a str> {
         match self.given(key) {
             Some(Node { value: Value::Text(text), .. }) => Some(text),
             Some(_) => None,
@@ -105,7 +118,8 @@ impl<'a> Fields<'a> {
         }
     }
 
-    fn rows(&self, key: &str) -> Option<Vec<Vec<f64>>> {
+    /// Rows of numbers.
+    pub fn rows(&self, key: &str) -> Option<Vec<Vec<f64>>> {
         let Value::List(rows) = &self.given(key)?.value else { return None };
         rows.iter()
             .map(|row| match &row.value {
@@ -115,7 +129,8 @@ impl<'a> Fields<'a> {
             .collect()
     }
 
-    fn list(&self, key: &str) -> Option<Vec<f64>> {
+    /// Numbers, of any length.
+    pub fn list(&self, key: &str) -> Option<Vec<f64>> {
         match self.given(key) {
             Some(Node { value: Value::List(list), .. }) => list.iter().map(number).collect(),
             Some(_) => None,
@@ -126,11 +141,13 @@ impl<'a> Fields<'a> {
         }
     }
 
-    fn points(&self, key: &str) -> Option<Vec<[f64; 2]>> {
+    /// Points.
+    pub fn points(&self, key: &str) -> Option<Vec<[f64; 2]>> {
         self.rows(key)?.into_iter().map(|row| row.try_into().ok()).collect()
     }
 
-    fn block(&self, key: &str) -> Option<Fields<'a>> {
+    /// A block within.
+    pub fn block(&self, key: &str) -> Option<Fields<'a>> {
         let kind = &self.block.keys.iter().find(|k| k.name == key)?.kind;
         let Value::Table(table) = &self.given(key)?.value else { return None };
         let block = match kind {
@@ -143,6 +160,21 @@ impl<'a> Fields<'a> {
             _ => return None,
         };
         Some(Fields { block, table })
+    }
+
+    /// The blocks of a list of them.
+    pub fn blocks(&self, key: &str) -> Vec<Fields<'a>> {
+        let kind = self.block.keys.iter().find(|k| k.name == key).map(|k| &k.kind);
+        let (Some(Kind::Blocks(block)), Some(Node { value: Value::List(list), .. })) =
+            (kind, self.given(key))
+        else {
+            return Vec::new();
+        };
+        let tables = list.iter().filter_map(|item| match &item.value {
+            Value::Table(table) => Some(Fields { block, table }),
+            _ => None,
+        });
+        tables.collect()
     }
 
     fn pose(&self) -> Option<Pose> {
