@@ -1,0 +1,170 @@
+//! Photographs that the simulator takes through slit mirrors, against what it knows of each pixel.
+
+use midair::geometry::Frame;
+use midair::map::{Accuracy, invert, pixel_centre};
+use midair::optics::plate::SlitMirrorPlate;
+use midair::scene::load;
+use midair::transport::Setup;
+use midair_calibrate::decode::decode_folder;
+use midair_calibrate::model_free::model_free;
+use midair_calibrate::rehearsal::film::{Film, Truth};
+use midair_calibrate::rehearsal::{camera, dice, lens};
+use midair_calibrate::{Decoded, Lens, Patterns, Seen, stray};
+use std::path::Path;
+
+/// The paper's cube behind a slit-mirror plate, its display a little coarser than the camera.
+fn cube() -> Setup {
+    let path = format!("{}/../../scenes/paper/cube.toml", env!("CARGO_MANIFEST_DIR"));
+    let loaded = load(path.as_ref()).expect("an example scene");
+    let plate = SlitMirrorPlate::new(Default::default()).expect("the usual plate");
+    Setup::new(&loaded)
+        .expect("it can be traced")
+        .with_plate(plate.into())
+        .with_resolution([512; 2])
+}
+
+fn film(setup: &Setup) -> Film {
+    let size = [600, 400];
+    let full = lens(setup);
+    let scale = size[0] as f64 / 6000.0;
+    let lens = Lens {
+        focal: full.focal.map(|f| f * scale),
+        centre: full.centre.map(|c| c * scale),
+        ..full
+    };
+    Film { size, lens, rays: 5, photons: 20_000.0, quality: 92 }
+}
+
+/// Photographs in a folder, in an order that nobody knows.
+fn photograph(setup: &Setup, film: &Film, camera: &Frame, folder: &Path) -> Truth {
+    let (files, truth) = film.shoot(setup, camera, &Patterns::of(setup), 7);
+    let mut numbers: Vec<usize> = (0..files.len()).collect();
+    dice(3).shuffle(&mut numbers);
+    for (file, number) in files.iter().zip(numbers) {
+        let path = folder.join(format!("IMG_{number:04}.jpg"));
+        std::fs::write(path, file).expect("the folder can be written");
+    }
+    truth
+}
+
+/// Of the pixels called real: how far they are from the truth, rms in display pixels, over those that do see the image; and how many do not.
+fn judged(decoded: &Decoded, truth: &Truth, resolution: [usize; 2]) -> (f64, usize, usize) {
+    let (mut squares, mut right, mut wrong) = (0.0, 0u32, 0);
+    for (i, seen) in decoded.seen.iter().enumerate() {
+        if *seen != Seen::Real {
+            continue;
+        }
+        let off = truth.st[i].map(|st| {
+            let off = [0, 1].map(|c| (f64::from(decoded.st[i][c]) - st[c]) * resolution[c] as f64);
+            off[0].hypot(off[1])
+        });
+        match off {
+            // A twentieth of the display away is another image of it.
+            Some(off) if off < 25.0 => {
+                squares += off * off;
+                right += 1;
+            }
+            _ => wrong += 1,
+        }
+    }
+    ((squares / f64::from(right.max(1))).sqrt(), right as usize, wrong)
+}
+
+#[test]
+fn photographs_in_any_order_are_decoded_and_stray_light_is_told_apart() {
+    let setup = cube();
+    let film = film(&setup);
+    let eye = camera(&setup, 6.0, 4.0);
+    let folder = tempfile::tempdir().expect("a folder");
+    let truth = photograph(&setup, &film, &eye, folder.path());
+    let patterns = Patterns::of(&setup);
+    let mut decoded = decode_folder(&patterns, folder.path(), &()).expect("it is decoded");
+    assert!(decoded.notes.is_empty(), "{:?}", decoded.notes);
+    stray::mark(&mut decoded, &setup, &eye, &film.lens);
+    let (rms, right, wrong) = judged(&decoded, &truth, setup.resolution);
+    let on_display = |st: &&[f64; 2]| st.iter().all(|c| (0.0..=1.0).contains(c));
+    let seen = truth.st.iter().flatten().filter(on_display).count();
+    eprintln!("rms {rms:.3} px of {right} of {seen}, {wrong} wrong, {:?}", decoded.counts());
+    // What the issue asks of decoding.
+    assert!(wrong * 1000 <= right, "{wrong} of {right}");
+    assert!(right * 10 > seen * 8, "{right} of {seen}");
+    let points = decoded.correspondences(setup.resolution, 2000);
+    // Of what goes to the fit: means of some camera pixels each.
+    let mut squares = 0.0;
+    for point in &points {
+        let ray = midair_calibrate::camera::pixel_ray(
+            &midair::transport::Placing::constant(&eye),
+            &film.lens,
+            point.pixel,
+        );
+        let st = setup.trace(ray, &mut midair::transport::Path::new()).st().expect("it is seen");
+        let off = [0, 1].map(|c| (st[c] - point.st[c]) * setup.resolution[c] as f64);
+        squares += off[0] * off[0] + off[1] * off[1];
+    }
+    let rms = (squares / points.len() as f64).sqrt();
+    eprintln!("{} blocks, rms {rms:.3} px", points.len());
+    assert!(points.len() > 500 && rms < 0.3, "{rms} of {}", points.len());
+
+    // The map without a model, against the exact one at the camera's place.
+    let map = model_free(&setup, &eye, &film.lens, &decoded);
+    let (exact, _) = invert(&setup.with_viewpoint(eye.origin), Accuracy::default());
+    let (mut off, mut answered, mut both) = (Vec::new(), 0, 0);
+    for pixel in 0..map.uv.len() {
+        let (column, row) = (pixel % map.width, pixel / map.width);
+        let st = pixel_centre(column, row, map.width, map.height);
+        // Where the plate mixes in the display's dark surroundings no photograph tells what the display shows.
+        let Some(b) = exact.answer(pixel).filter(|_| !patterns.is_mixed(st)) else { continue };
+        answered += 1;
+        if let Some(a) = map.answer(pixel) {
+            both += 1;
+            off.push(1024.0 * (a[0] - b[0]).hypot(a[1] - b[1]));
+        }
+    }
+    let rms = (off.iter().map(|o| o * o).sum::<f64>() / off.len().max(1) as f64).sqrt();
+    eprintln!("model-free: rms {rms:.3} px of 1024, {both} of {answered}");
+    assert!(both * 100 > answered * 98, "{both} of {answered}");
+    assert!(rms < 0.5, "{rms}");
+}
+
+#[test]
+fn over_exposed_photographs_and_missing_patterns_are_refused_by_name() {
+    let patterns = Patterns::new([256, 192], 0.0);
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |gain: f32, without: Option<usize>| {
+        for pattern in 0..patterns.list.len() {
+            let path = folder.path().join(format!("{pattern:02}.png"));
+            let light = patterns.drawn(pattern);
+            let codes: Vec<u8> =
+                light.iter().map(|l| (255.0 * (gain * (0.02 + l)).min(1.0)) as u8).collect();
+            let size = patterns.resolution.map(|side| side as u32);
+            let _ = std::fs::remove_file(&path);
+            if without != Some(pattern) {
+                image::save_buffer(&path, &codes, size[0], size[1], image::ExtendedColorType::L8)
+                    .expect("it can be written");
+            }
+        }
+    };
+    let told = |gain: f32, without: Option<usize>| {
+        write(gain, without);
+        match decode_folder(&patterns, folder.path(), &()) {
+            Ok(decoded) => format!("{:?}", decoded.counts()),
+            Err(error) => format!("{error} | {}", error.remedy().unwrap_or_default()),
+        }
+    };
+    let well = told(0.9, None);
+    assert!(well.starts_with("SeenCounts"), "{well}");
+    let full = told(1.6, None);
+    assert!(full.contains("over-exposed") && full.contains("shorter time"), "{full}");
+    // A stripe pattern's inverse stands in for it; nothing stands in for white.
+    let pair = told(0.9, Some(4));
+    assert!(pair.starts_with("SeenCounts"), "{pair}");
+    let white = told(0.9, Some(0));
+    assert!(white.contains("01-white.png") && white.contains("again"), "{white}");
+    std::fs::remove_dir_all(folder.path()).expect("it is there");
+    std::fs::create_dir(folder.path()).expect("it can be made");
+    let empty = match decode_folder(&patterns, folder.path(), &()) {
+        Ok(_) => panic!("there is nothing in it"),
+        Err(error) => error.to_string(),
+    };
+    assert!(empty.contains("no photographs"), "{empty}");
+}
