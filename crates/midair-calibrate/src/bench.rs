@@ -261,18 +261,17 @@ impl Bench {
                 distortion: camera.numbers("distortion")?,
             })
         });
-        if lens.is_none() && views.len() < 3 {
-            let message = format!(
-                "{} views do not tell the camera's lens",
-                if views.len() == 1 { "one of" } else { "so few" }
-            );
-            let message = if views.is_empty() { "there is no view".to_owned() } else { message };
-            let help = "give [camera] with focal, centre and distortion (OpenCV's calibrateCamera finds them), or photograph from three places or more";
-            return Err(text.error_at("view", message, help).into());
-        }
         if views.is_empty() {
             let help = "give a [[view]] for each place that was photographed from";
             return Err(text.error_at("view", "there is no view", help).into());
+        }
+        if lens.is_none() && views.len() < 3 {
+            let message = match views.len() {
+                1 => "one view does not tell the camera's lens",
+                _ => "two views do not tell the camera's lens",
+            };
+            let help = "give [camera] with focal, centre and distortion (OpenCV's calibrateCamera finds them), or photograph from three places or more";
+            return Err(text.error_at("view", message, help).into());
         }
         let together = fields.blocks("together");
         let together = together

@@ -57,7 +57,7 @@ pub fn order(patterns: &Patterns, photographs: &[Photograph]) -> Option<Order> {
 /// What each photograph's squares show, `None` where they are neither lit nor dark; `None` where not all squares are seen.
 fn words(photographs: &[Photograph], patterns: usize) -> Option<Vec<Option<u16>>> {
     let many = photographs.len();
-    if many < 8 || many > MOST {
+    if !(8..=MOST).contains(&many) {
         return None;
     }
     let pixels = photographs[0].codes.len();

@@ -63,6 +63,14 @@ pub(crate) fn row_name(
     }
 }
 
+/// Something that was turned: as it was assumed and as it was found, and for each of its own axes that it may turn about the row of the covariance.
+struct Turned {
+    name: String,
+    start: Frame,
+    found: Frame,
+    axes: Vec<(usize, usize)>,
+}
+
 /// All parameters by name, with what they were and how sure they are.
 pub(crate) fn parameters(
     problem: &Problem,
@@ -72,7 +80,7 @@ pub(crate) fn parameters(
     views: &[ViewPoints],
 ) -> Vec<Parameter> {
     let mut parameters = Vec::new();
-    let mut turned: Vec<(String, Frame, Frame, Vec<(usize, usize)>)> = Vec::new();
+    let mut turned: Vec<Turned> = Vec::new();
     for (i, free) in problem.free.iter().enumerate() {
         let sigma = covariance[(i, i)].sqrt();
         let determined = free.prior.is_none_or(|prior| sigma < TOLD * prior);
@@ -82,10 +90,10 @@ pub(crate) fn parameters(
         let view = |view: usize| format!("view.{}", views[view].name);
         let mut turn = |name: String, start: Frame, found: Frame, axis: usize| match turned
             .iter_mut()
-            .find(|(known, ..)| *known == name)
+            .find(|known| known.name == name)
         {
-            Some((.., axes)) => axes.push((axis, i)),
-            None => turned.push((name, start, found, vec![(axis, i)])),
+            Some(known) => known.axes.push((axis, i)),
+            None => turned.push(Turned { name, start, found, axes: vec![(axis, i)] }),
         };
         let element = |element: usize| &found.scene().elements[element];
         let assumed = |element: usize| &start.scene().elements[element];
@@ -137,8 +145,8 @@ pub(crate) fn parameters(
             }
         }
     }
-    for (name, start, found, axes) in turned {
-        parameters.extend(rotation(problem, covariance, &name, &start, &found, &axes));
+    for turned in &turned {
+        parameters.extend(rotation(problem, covariance, turned));
     }
     parameters.sort_by_key(|parameter| order(&parameter.name));
     parameters
@@ -153,17 +161,11 @@ fn order(name: &str) -> usize {
 }
 
 /// A rotation's three angles as a scene file has them, from turns about own axes; those that no turn changes are left out.
-fn rotation(
-    problem: &Problem,
-    covariance: &DMatrix<f64>,
-    name: &str,
-    start: &Frame,
-    found: &Frame,
-    axes: &[(usize, usize)],
-) -> Vec<Parameter> {
+fn rotation(problem: &Problem, covariance: &DMatrix<f64>, turned: &Turned) -> Vec<Parameter> {
+    let Turned { name, start, found, axes } = turned;
     // How the angles go with small turns, by differences of the closed form.
     let step = 1e-3;
-    let turned = |axis: usize, degrees: f64| {
+    let by = |axis: usize, degrees: f64| {
         let about = found.axes[axis];
         let (sin, cos) = degrees.to_radians().sin_cos();
         let turn = |v: Vec3| v * cos + about.cross(v) * sin + about * (about.dot(v) * (1.0 - cos));
@@ -172,7 +174,7 @@ fn rotation(
     let slopes: Vec<[f64; 3]> = axes
         .iter()
         .map(|&(axis, _)| {
-            let (plus, minus) = (turned(axis, step), turned(axis, -step));
+            let (plus, minus) = (by(axis, step), by(axis, -step));
             std::array::from_fn(|k| around(plus[k] - minus[k]) / (2.0 * step))
         })
         .collect();

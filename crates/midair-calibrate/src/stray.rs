@@ -36,25 +36,33 @@ const COARSE: usize = 8;
 /// A pixel that is nearer than this to what the real image would show there is real, as a share of the display: the object may stand some millimetres elsewhere.
 const NEAR: f64 = 0.04;
 
+/// The display point that the real image would show at a pixel, and those that the stray images would.
+#[derive(Clone, Copy, Default)]
+struct Predicted {
+    real: Option<[f64; 2]>,
+    strays: [Option<[f64; 2]>; 3],
+}
+
 /// Marks the pixels that see the display by stray light: what they see is nearer to what one of the plate's stray images would show there than, by half, to
 /// what the real one would.
 pub fn mark(decoded: &mut Decoded, setup: &Setup, camera: &Frame, lens: &Lens) {
     let placed = Placing::constant(camera);
     let (width, height) = (decoded.width, decoded.height);
     let columns = width.div_ceil(COARSE);
-    let predicted: Vec<(Option<[f64; 2]>, [Option<[f64; 2]>; 3])> = (0..columns
-        * height.div_ceil(COARSE))
+    let predicted: Vec<Predicted> = (0..columns * height.div_ceil(COARSE))
         .into_par_iter()
         .map(|cell| {
             let at = [cell % columns, cell / columns].map(|k| ((k * COARSE) + COARSE / 2) as f64);
             let ray = pixel_ray(&placed, lens, at);
             if !ray.direction.is_finite() {
-                return (None, [None; 3]);
+                return Predicted::default();
             }
             let mut path = Path::new();
             let real = setup.trace(ray, &mut path).st();
-            let Some((left, _)) = at_plate(setup, ray, &path) else { return (real, [None; 3]) };
-            (real, STRAY.map(|odd| passed(setup, &left, odd)))
+            let Some((left, _)) = at_plate(setup, ray, &path) else {
+                return Predicted { real, strays: [None; 3] };
+            };
+            Predicted { real, strays: STRAY.map(|odd| passed(setup, &left, odd)) }
         })
         .collect();
     let st = &decoded.st;
@@ -63,7 +71,7 @@ pub fn mark(decoded: &mut Decoded, setup: &Setup, camera: &Frame, lens: &Lens) {
             return;
         }
         let (x, y) = (pixel % width, pixel / width);
-        let (real, strays) = &predicted[(y / COARSE) * columns + x / COARSE];
+        let Predicted { real, strays } = &predicted[(y / COARSE) * columns + x / COARSE];
         let off = |place: &Option<[f64; 2]>| match place {
             Some([s, t]) => (s - f64::from(st[pixel][0])).hypot(t - f64::from(st[pixel][1])),
             None => f64::INFINITY,

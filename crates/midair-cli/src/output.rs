@@ -1,7 +1,9 @@
 //! Where the program's files go: none over what the run reads, and none half-made if it is interrupted.
 
 use crate::failure::Failure;
-use midair::files::{Inputs, Output, remove_unfinished};
+use midair::files::{Inputs, Kept, Output, remove_unfinished};
+use midair::map::format::FileError;
+use serde_json::Value;
 use std::ffi::OsString;
 use std::io::Write as _;
 use std::path::Path;
@@ -24,6 +26,14 @@ pub fn into_folder(folder: &Path) -> Result<Output, Failure> {
 /// One file, as [`Output::of_file`].
 pub fn of_file(path: &Path) -> Result<(Output, OsString), Failure> {
     Ok(Output::of_file(path, inputs())?)
+}
+
+/// The pieces of work on a folder's files, kept until it is complete; see [`Kept::begin`]. The folder is made if need be.
+pub fn keep_for_folder(folder: &Path, work: &Value, resume: bool) -> Result<Kept, Failure> {
+    std::fs::create_dir_all(folder).map_err(|error| FileError::io(folder, "create", error))?;
+    // A name of its own, whatever is written: `.`, `a/..`.
+    let folder = folder.canonicalize().map_err(|error| FileError::io(folder, "find", error))?;
+    Ok(Kept::begin(&folder, &format!("{work:#}\n"), resume, inputs())?)
 }
 
 /// Whether work is under way that keeps what it has when it is interrupted.

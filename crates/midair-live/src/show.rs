@@ -1,20 +1,20 @@
 //! The show: what happens, one thing after the other, and what is to be seen. It knows neither window nor clock: readings of the clock
 //! come with what happens.
 
+mod commands;
+mod picture;
+
 use crate::arrangement::{Arrangement, Target};
 use crate::attendance::Attendance;
-use crate::command::{Command, Wish};
 use crate::lit::Lit;
 use crate::solver::{COLOURS, Job, Request, Settled, Solved};
 use crate::source::Frame;
 use crate::steady::OneEuro;
 use crate::tracker::{Calibration, Heard, Protocol, Reception};
-use crate::trial::{Departures, Stages};
 use crate::viewer::Viewer;
 use midair::geometry::Vec3;
 use midair::picture::{Drive, LightFrame, Overflow, Warp};
-use midair::scene::model::{Pose, Tracker};
-use midair::scene::{Loaded, SceneEdit, SceneError, validate, validate_viewpoint};
+use midair::scene::Loaded;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
@@ -109,12 +109,6 @@ pub(crate) const SEEN: Duration = Duration::from_secs(5);
 
 /// So long a map may take before the wait for it is told: until then what is seen stays.
 pub(crate) const PATIENCE: Duration = Duration::from_millis(300);
-
-/// So many steps can be taken back.
-const STEPS: usize = 1000;
-
-/// What is taken of the average of latencies at each new one.
-const NEW_SHARE: f64 = 0.1;
 
 impl Show {
     /// A show of a scene.
@@ -271,113 +265,6 @@ impl Show {
         Ok(())
     }
 
-    /// What somebody wants.
-    pub fn command(&mut self, command: Command, now: Duration) -> Option<Wish> {
-        self.stale = true;
-        match command {
-            Command::End => return Some(Wish::End),
-            Command::FillScreen => return Some(Wish::FillScreen),
-            Command::Save => match self.scene_text() {
-                Ok(text) => return Some(Wish::Save(text)),
-                Err(error) => self.say(error.to_string(), now),
-            },
-            Command::Pause => self.paused = !self.paused,
-            Command::Figures => self.figures = !self.figures,
-            Command::Help => self.help = !self.help,
-            Command::Lattice => {
-                self.show_lattice = !self.show_lattice;
-                self.ask(None, now);
-            }
-            Command::Uncompensated => {
-                self.uncompensated = !self.uncompensated;
-                self.ask(None, now);
-            }
-            Command::NextTarget => {
-                self.target = self.target.next(self.loaded.scene.elements.len());
-                self.nudged = Some(now);
-            }
-            Command::Nudge(nudge) => {
-                let before = Arrangement::of(&self.loaded.scene);
-                let mut after = before.clone();
-                if after.nudge(nudge, self.target) && self.arrange(&after, now) {
-                    self.history.push(before);
-                    if self.history.len() > STEPS {
-                        self.history.remove(0);
-                    }
-                }
-            }
-            Command::Undo => match self.history.pop() {
-                Some(before) => drop(self.arrange(&before, now)),
-                None => self.say("there is no step to take back".to_owned(), now),
-            },
-            Command::Reset => {
-                let before = Arrangement::of(&self.loaded.scene);
-                let original = self.original.clone();
-                if before != original && self.arrange(&original, now) {
-                    self.history.push(before);
-                }
-            }
-            Command::Calibrate => {
-                let viewpoint = Vec3::from_array(self.loaded.scene.viewpoint);
-                if self.viewer.calibrate(viewpoint) {
-                    self.ask(None, now);
-                    self.say(
-                        "the tracker's present reading is the scene's viewpoint".to_owned(),
-                        now,
-                    );
-                } else {
-                    self.say("there is no reading of a tracker".to_owned(), now);
-                }
-            }
-        }
-        None
-    }
-
-    /// Puts everything there if a scene file may say so. Whether it was done.
-    fn arrange(&mut self, arrangement: &Arrangement, now: Duration) -> bool {
-        let mut moved = (*self.loaded).clone();
-        arrangement.put(&mut moved.scene);
-        let eye = self.viewer.eye();
-        let allowed = validate(&moved)
-            .and_then(|()| eye.map_or(Ok(()), |eye| validate_viewpoint(&moved, eye)));
-        self.nudged = Some(now);
-        match allowed {
-            Ok(()) => {
-                self.loaded = Arc::new(moved);
-                self.ask(None, now);
-                true
-            }
-            Err(error) => {
-                self.say(format!("not moved: {}", error.message), now);
-                false
-            }
-        }
-    }
-
-    /// The scene as it is now, in the form of the file that it came from: comments and all.
-    ///
-    /// # Errors
-    /// [`SceneError`] where the file's form does not allow it.
-    pub fn scene_text(&self) -> Result<String, SceneError> {
-        let mut scene = self.loaded.scene.clone();
-        let file = &mut SceneEdit::of(&self.loaded.text)?;
-        // The display's pixels are the window's; the file keeps its own.
-        scene.display.resolution = file.scene().display.resolution;
-        if self.settings.tracker.is_some() {
-            let Calibration { position, rotation, offset } = self.viewer.calibration;
-            let round = |v: f64| (v * 1000.0).round() / 1000.0;
-            let offset = offset.to_array().map(round);
-            scene.tracker = Some(Tracker { pose: Pose { position, rotation }, offset });
-        }
-        file.set_scene(&scene)?;
-        Ok(file.text().to_owned())
-    }
-
-    /// What came of a [`Wish::Save`]: the file's name, or why it could not be written.
-    pub fn saved(&mut self, outcome: Result<String, String>, now: Duration) {
-        self.say(outcome.map_or_else(|why| why, |file| format!("saved {file}")), now);
-    }
-
     /// Shows a message for a while, and has it told on the terminal.
     pub fn say(&mut self, text: String, now: Duration) {
         self.notes.push(text.clone());
@@ -476,61 +363,5 @@ impl Show {
     /// Whether the last map is one for the display as it is.
     pub(crate) fn fits(&self) -> bool {
         self.map.as_ref().is_some_and(|map| map.warp.size() == self.size)
-    }
-
-    /// What is to be drawn now. Until a map for another frame or set-up has come, the last one stays, with the frames that it fits; without
-    /// any for this display the picture is black, but not before the wait has become long.
-    pub fn picture(&mut self, now: Duration) -> Option<Picture<'_>> {
-        let fits = self.fits();
-        let map = self.map.as_ref().filter(|_| fits);
-        let dark = self.attendance.is_dark();
-        let Some(map) = map.filter(|_| !dark) else {
-            let long = dark || self.awaited.is_some_and(|since| now >= since + PATIENCE);
-            let (light, number) = self.light.last();
-            let (size, drive) = (self.size, &self.drive);
-            return long.then_some(Picture {
-                size,
-                warp: None,
-                source: [1, 1],
-                light: (light, number),
-                drive,
-            });
-        };
-        let frames = [self.wanted(), self.frame.as_ref(), Some(&self.lattice)];
-        let frame = frames.into_iter().flatten().find(|frame| frame.size == map.source)?.clone();
-        let evened = map.evening.as_ref().zip(self.evened.as_ref());
-        let (evening, drive) =
-            evened.map_or((None, &self.drive), |(evening, drive)| (Some(evening), drive));
-        let light = self.light.of(&frame, evening).ok()?;
-        let warp = Some((&map.warp, map.number));
-        Some(Picture { size: self.size, warp, source: map.source, light, drive })
-    }
-
-    /// The picture was begun, was ready, and has been presented.
-    pub fn presented(
-        &mut self,
-        begun: Duration,
-        ready: Duration,
-        now: Duration,
-        trial: Option<&Departures>,
-    ) -> Option<Stages> {
-        self.presented.push_back(now);
-        while self.presented.len() > 60 {
-            self.presented.pop_front();
-        }
-        // A viewpoint counts once, when it is first seen.
-        let map = self.map.as_mut()?;
-        let (number, came) = map.packet.take()?;
-        let delay = now.saturating_sub(came).as_secs_f64();
-        let known = self.delay.unwrap_or(delay);
-        self.delay = Some(known + NEW_SHARE * (delay - known));
-        let left = trial?.of(number)?;
-        let ms = |from: Duration, to: Duration| 1e3 * to.saturating_sub(from).as_secs_f64();
-        Some(Stages {
-            whole: ms(left, now),
-            solve: 1e3 * map.seconds,
-            draw: ms(begun, ready),
-            present: ms(ready, now),
-        })
     }
 }

@@ -1,4 +1,4 @@
-//! Maps: what each display pixel must show.
+//! Maps: what each display pixel must show. One block of methods, as PyO3 takes one for each class: whole in one file.
 
 use crate::arrays::{numpy, shaped, to_bytes};
 use crate::error::{raised, refused};

@@ -1,4 +1,4 @@
-//! Scenes: a set-up as it is described, and what light does in it.
+//! Scenes: a set-up as it is described, and what light does in it. One block of methods, as PyO3 takes one for each class: whole in one file.
 
 mod files;
 mod source;

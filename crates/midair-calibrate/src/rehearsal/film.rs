@@ -38,6 +38,13 @@ struct Tap {
     real: bool,
 }
 
+/// A row of pixels: the light of each pattern, the truth.
+struct Row {
+    light: Vec<Vec<f32>>,
+    seen: Vec<Option<[f64; 2]>>,
+    stray: Vec<f32>,
+}
+
 /// What a camera pixel sees, for those that judge a decoder.
 #[derive(Clone, Debug)]
 pub struct Truth {
@@ -62,7 +69,7 @@ impl Film {
         let [width, height] = self.size;
         let lights: Vec<Vec<f32>> = (0..patterns.list.len()).map(|k| patterns.drawn(k)).collect();
         let placed = Placing::constant(camera);
-        let rows: Vec<(Vec<Vec<f32>>, Vec<Option<[f64; 2]>>, Vec<f32>)> = (0..height)
+        let rows: Vec<Row> = (0..height)
             .into_par_iter()
             .map(|row| {
                 let mut draw = fastrand::Rng::with_seed(seed ^ (row as u64) << 20);
@@ -84,12 +91,12 @@ impl Film {
                     };
                     stray[column] = of(false) / (of(false) + of(true)).max(1e-12);
                 }
-                (light, seen, stray)
+                Row { light, seen, stray }
             })
             .collect();
         // White is exposed to nine tenths of full scale.
         let mut whites: Vec<f32> =
-            rows.iter().flat_map(|(light, ..)| light[0].iter().copied()).collect();
+            rows.iter().flat_map(|row| row.light[0].iter().copied()).collect();
         let high = whites.len() * 995 / 1000;
         let exposure =
             0.9 / f64::from(*whites.select_nth_unstable_by(high, f32::total_cmp).1).max(1e-9);
@@ -99,8 +106,8 @@ impl Film {
                 let mut draw =
                     fastrand::Rng::with_seed(seed.wrapping_add(977 * (pattern as u64 + 1)));
                 let mut grey = Vec::with_capacity(width * height);
-                for (light, ..) in &rows {
-                    for &light in &light[pattern] {
+                for row in &rows {
+                    for &light in &row.light[pattern] {
                         // A dark room is not quite dark.
                         let exposed = f64::from(light) * exposure + 0.004;
                         let noise = (exposed / self.photons).sqrt() * normal(&mut draw);
@@ -125,9 +132,9 @@ impl Film {
             })
             .collect();
         let mut truth = Truth { st: Vec::new(), stray: Vec::new() };
-        for (_, seen, stray) in rows {
-            truth.st.extend(seen);
-            truth.stray.extend(stray);
+        for row in rows {
+            truth.st.extend(row.seen);
+            truth.stray.extend(row.stray);
         }
         (files, truth)
     }

@@ -8,6 +8,7 @@ mod completions;
 mod demo;
 mod draw;
 mod evaluate;
+mod explore;
 mod eyebox;
 mod man;
 mod map;
@@ -61,6 +62,7 @@ enum Command {
     Pattern(pattern::Arguments),
     Plate(plate::Arguments),
     Tolerance(tolerance::Arguments),
+    Explore(explore::Arguments),
     Report(report::Arguments),
     Calibrate(calibrate::Arguments),
     Orbit(orbit::Arguments),
@@ -90,6 +92,7 @@ pub fn run(program: Program) -> Result<ExitCode, Failure> {
         Command::Pattern(arguments) => pattern::run(&arguments, voice),
         Command::Plate(arguments) => plate::run(&arguments, voice),
         Command::Tolerance(arguments) => tolerance::run(&arguments, voice),
+        Command::Explore(arguments) => explore::run(&arguments, voice),
         Command::Report(arguments) => report::run(&arguments, voice),
         Command::Calibrate(arguments) => calibrate::run(&arguments, voice),
         Command::Orbit(arguments) => orbit::run(&arguments, voice),

@@ -6,6 +6,7 @@ mod check;
 mod compensate;
 mod delivery;
 mod evaluate;
+mod explore;
 mod files;
 mod films;
 mod fit;

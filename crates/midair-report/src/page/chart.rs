@@ -1,6 +1,7 @@
 //! Curves over an axis, as SVG that takes its colours from the page.
 
-use super::html::{STYLE, escaped, push};
+use super::html::{STYLE, escaped};
+use crate::svg::Svg;
 
 /// Curves over an axis, each point marked.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -84,100 +85,49 @@ impl LineChart {
         let x = |value: f64| LEFT + (value - x0) / (x1 - x0) * (WIDTH - LEFT - RIGHT);
         let y = |value: f64| HEIGHT - BOTTOM - (value - y0) / (y1 - y0) * (HEIGHT - TOP - BOTTOM);
 
-        let title = format!("{} over {}", self.y_label, self.x_label);
-        let mut out = format!(
-            "<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{}\">",
-            escaped(&title)
-        );
+        let mut svg = Svg::default();
+        let middle = 0.5 * (LEFT + WIDTH - RIGHT);
+        let faint = |anchor: &str| format!("class=\"faint\" text-anchor=\"{anchor}\"");
         if points().next().is_none() {
-            let (x, y) = (0.5 * (LEFT + WIDTH - RIGHT), 0.5 * (TOP + HEIGHT - BOTTOM));
-            push(
-                &mut out,
-                format_args!(
-                    "<text class=\"faint\" x=\"{x}\" y=\"{y}\" text-anchor=\"middle\">nothing is known to be drawn here</text>"
-                ),
-            );
+            let half = 0.5 * (TOP + HEIGHT - BOTTOM);
+            svg.text([middle, half], &faint("middle"), "nothing is known to be drawn here");
         }
+        let step = |ticks: &[f64]| ticks[ticks.len() - 1] - ticks[ticks.len().saturating_sub(2)];
         for &tick in &ys {
-            let at = y(tick);
-            push(
-                &mut out,
-                format_args!("<path class=\"rule\" d=\"M{LEFT} {at:.1}H{}\"/>", WIDTH - RIGHT),
-            );
-            push(
-                &mut out,
-                format_args!(
-                    "<text class=\"faint\" x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
-                    LEFT - 8.0,
-                    at + 4.5,
-                    label(tick, ys[ys.len() - 1] - ys[ys.len().saturating_sub(2)])
-                ),
-            );
+            svg.line(&[[LEFT, y(tick)], [WIDTH - RIGHT, y(tick)]], false, "class=\"rule\"");
+            let place = [LEFT - 8.0, y(tick) + 4.5];
+            svg.text(place, &faint("end"), &label(tick, step(&ys)));
         }
+        let base = HEIGHT - BOTTOM;
         for &tick in &xs {
-            let at = x(tick);
-            let base = HEIGHT - BOTTOM;
-            push(&mut out, format_args!("<path class=\"axis\" d=\"M{at:.1} {base}v5\"/>"));
-            push(
-                &mut out,
-                format_args!(
-                    "<text class=\"faint\" x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
-                    base + 20.0,
-                    label(tick, xs[xs.len() - 1] - xs[xs.len().saturating_sub(2)])
-                ),
-            );
+            svg.line(&[[x(tick), base], [x(tick), base + 5.0]], false, "class=\"axis\"");
+            let place = [x(tick), base + 20.0];
+            svg.text(place, &faint("middle"), &label(tick, step(&xs)));
         }
-        push(
-            &mut out,
-            format_args!("<path class=\"axis\" d=\"M{LEFT} {:.1}H{}\"/>", y(y0), WIDTH - RIGHT),
-        );
-        push(
-            &mut out,
-            format_args!(
-                "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
-                0.5 * (LEFT + WIDTH - RIGHT),
-                HEIGHT - 10.0,
-                escaped(&self.x_label)
-            ),
-        );
-        push(
-            &mut out,
-            format_args!("<text x=\"8\" y=\"{}\">{}</text>", TOP - 14.0, escaped(&self.y_label)),
-        );
+        svg.line(&[[LEFT, y(y0)], [WIDTH - RIGHT, y(y0)]], false, "class=\"axis\"");
+        svg.text([middle, HEIGHT - 10.0], "text-anchor=\"middle\"", &self.x_label);
+        svg.text([8.0, TOP - 14.0], "", &self.y_label);
         let mut legend = LEFT;
         for (index, series) in self.series.iter().enumerate() {
             let style = index % 4;
-            let mut path = String::new();
-            let mut pen = 'M';
-            for &[px, py] in &series.points {
-                if px.is_finite() && py.is_finite() {
-                    push(&mut path, format_args!("{pen}{:.1} {:.1}", x(px), y(py)));
-                    pen = 'L';
-                } else {
-                    pen = 'M';
-                }
+            let curve = format!("class=\"curve s{style}\"");
+            let places: Vec<_> = series.points.iter().map(|&[px, py]| [x(px), y(py)]).collect();
+            let is_known = |place: &[f64; 2]| place.iter().all(|c| c.is_finite());
+            for piece in places.split(|place| !is_known(place)) {
+                svg.line(piece, false, &curve);
             }
-            push(&mut out, format_args!("<path class=\"curve s{style}\" d=\"{path}\"/>"));
-            for &[px, py] in &series.points {
-                if px.is_finite() && py.is_finite() {
-                    marker(&mut out, style, x(px), y(py));
-                }
-            }
-            push(
-                &mut out,
-                format_args!("<path class=\"curve s{style}\" d=\"M{legend:.1} 15h26\"/>"),
-            );
-            marker(&mut out, style, legend + 13.0, 15.0);
-            let name = escaped(&series.name);
-            push(
-                &mut out,
-                format_args!("<text x=\"{:.1}\" y=\"19.5\">{name}</text>", legend + 33.0),
-            );
+            places
+                .iter()
+                .filter(|place| is_known(place))
+                .for_each(|&at| marker(&mut svg, style, at));
+            svg.line(&[[legend, 15.0], [legend + 26.0, 15.0]], false, &curve);
+            marker(&mut svg, style, [legend + 13.0, 15.0]);
+            svg.text([legend + 33.0, 19.5], "", &series.name);
             // Letters are about 8 units wide at this size.
             legend += 55.0 + 8.0 * series.name.chars().count() as f64;
         }
-        out.push_str("</svg>");
-        out
+        let title = escaped(&format!("{} over {}", self.y_label, self.x_label));
+        svg.within([WIDTH, HEIGHT], &format!("role=\"img\" aria-label=\"{title}\""))
     }
 }
 
@@ -206,12 +156,21 @@ fn with_colours(text: &str) -> String {
 }
 
 /// A mark of its own for each curve, so that colour is not all that tells them apart.
-fn marker(out: &mut String, style: usize, x: f64, y: f64) {
-    let shape = match style {
-        0 => format!("<circle class=\"f0\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\"/>"),
-        1 => format!("<path class=\"f1\" d=\"M{:.1} {:.1}h8v8h-8z\"/>", x - 4.0, y - 4.0),
-        2 => format!("<path class=\"f2\" d=\"M{x:.1} {:.1}l5 9h-10z\"/>", y - 5.5),
-        _ => format!("<path class=\"f3\" d=\"M{x:.1} {:.1}l5 5-5 5-5-5z\"/>", y - 5.0),
+fn marker(svg: &mut Svg, style: usize, [x, y]: [f64; 2]) {
+    let filled = format!("class=\"f{style}\"");
+    let around = |corners: &[[f64; 2]]| -> Vec<[f64; 2]> {
+        corners.iter().map(|[dx, dy]| [x + dx, y + dy]).collect()
     };
-    out.push_str(&shape);
+    match style {
+        0 => svg.circle([x, y], 4.0, &filled),
+        1 => {
+            let square = around(&[[-4.0, -4.0], [4.0, -4.0], [4.0, 4.0], [-4.0, 4.0]]);
+            svg.line(&square, true, &filled);
+        }
+        2 => svg.line(&around(&[[0.0, -5.5], [5.0, 3.5], [-5.0, 3.5]]), true, &filled),
+        _ => {
+            let diamond = around(&[[0.0, -5.0], [5.0, 0.0], [0.0, 5.0], [-5.0, 0.0]]);
+            svg.line(&diamond, true, &filled);
+        }
+    }
 }

@@ -64,7 +64,7 @@ pub(super) fn document(page: &Page) -> String {
 }
 
 /// Appends formatted text; a String takes all of it.
-pub(super) fn push(out: &mut String, text: std::fmt::Arguments<'_>) {
+fn push(out: &mut String, text: std::fmt::Arguments<'_>) {
     let _ = out.write_fmt(text);
 }
 

@@ -1,6 +1,6 @@
 //! Arrows from where intersections belong to where they are seen.
 
-use super::html::push;
+use crate::svg::Svg;
 
 /// A lattice with an arrow at each intersection.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -55,11 +55,33 @@ impl VectorChart {
     pub(super) fn to_svg(&self) -> String {
         let scale = if self.size[0] > 0.0 { WIDTH / self.size[0] } else { 1.0 };
         let (height, times) = (scale * self.size[1], self.exaggeration());
-        let foot = 26.0;
-        let mut out = format!(
-            "<svg viewBox=\"0 0 {WIDTH} {:.1}\" role=\"img\" aria-label=\"Displacement of {} intersections, \
-             {}\">",
-            height + foot,
+        let mut svg = Svg::default();
+        let edge = [[0.5, 0.5], [WIDTH - 0.5, 0.5], [WIDTH - 0.5, height], [0.5, height]];
+        svg.line(&edge, true, "class=\"rule\"");
+        let at = |index: usize| {
+            self.reference.get(index).copied().flatten().map(|[x, y]| [scale * x, scale * y])
+        };
+        for index in 0..self.reference.len() {
+            let Some(from) = at(index) else { continue };
+            let lines = self.lines.max(1);
+            let right = (index % lines + 1 < lines).then(|| at(index + 1)).flatten();
+            for to in [right, at(index + lines)].into_iter().flatten() {
+                svg.line(&[from, to], false, "class=\"rule\"");
+            }
+        }
+        for index in 0..self.reference.len() {
+            let Some(place) = at(index) else { continue };
+            match self.seen.get(index).copied().flatten() {
+                Some(seen) => {
+                    let by = [0, 1].map(|axis| times * (scale * seen[axis] - place[axis]));
+                    arrow(&mut svg, place, by);
+                }
+                None => svg.circle(place, 5.0, "class=\"ring s1\""),
+            }
+        }
+        svg.text([0.0, height + 18.0], "class=\"faint\"", &self.caption());
+        let about = format!(
+            "role=\"img\" aria-label=\"Displacement of {} intersections, {}\"",
             self.reference.len(),
             if times > 1.0 {
                 format!("arrows {times} times their length")
@@ -67,39 +89,14 @@ impl VectorChart {
                 "at true length".to_owned()
             }
         );
-        push(
-            &mut out,
-            format_args!("<path class=\"rule\" d=\"M.5 .5H{}V{height:.1}H.5z\"/>", WIDTH - 0.5),
-        );
-        let at = |index: usize| {
-            self.reference.get(index).copied().flatten().map(|[x, y]| [scale * x, scale * y])
-        };
-        for index in 0..self.reference.len() {
-            let Some([x, y]) = at(index) else { continue };
-            let lines = self.lines.max(1);
-            let right = (index % lines + 1 < lines).then(|| at(index + 1)).flatten();
-            for [to_x, to_y] in [right, at(index + lines)].into_iter().flatten() {
-                push(
-                    &mut out,
-                    format_args!("<path class=\"rule\" d=\"M{x:.1} {y:.1}L{to_x:.1} {to_y:.1}\"/>"),
-                );
-            }
-        }
-        for index in 0..self.reference.len() {
-            let Some([x, y]) = at(index) else { continue };
-            match self.seen.get(index).copied().flatten() {
-                Some(seen) => {
-                    let [dx, dy] = [0, 1].map(|axis| times * (scale * seen[axis] - [x, y][axis]));
-                    arrow(&mut out, [x, y], [dx, dy]);
-                }
-                None => push(
-                    &mut out,
-                    format_args!("<circle class=\"ring s1\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\"/>"),
-                ),
-            }
-        }
-        let pairs = self.reference.iter().zip(&self.seen);
-        let how = if pairs.clone().all(|(a, b)| a.is_none() || b.is_none()) {
+        svg.within([WIDTH, height + 26.0], &about)
+    }
+
+    /// How the arrows are drawn, and how many are missing.
+    fn caption(&self) -> String {
+        let times = self.exaggeration();
+        let pairs = || self.reference.iter().zip(&self.seen);
+        let how = if pairs().all(|(a, b)| a.is_none() || b.is_none()) {
             "no intersection is known in both: there is nothing to draw".to_owned()
         } else if self.longest() < NOTHING {
             format!("no displacement is longer than {NOTHING} pixel")
@@ -108,49 +105,27 @@ impl VectorChart {
         } else {
             "arrows at their true length".to_owned()
         };
-        let missing = self
-            .reference
-            .iter()
-            .zip(&self.seen)
-            .filter(|(a, b)| a.is_some() && b.is_none())
-            .count();
-        let rings =
-            if missing > 0 { format!("; rings: {missing} not found") } else { String::new() };
-        push(
-            &mut out,
-            format_args!(
-                "<text class=\"faint\" x=\"0\" y=\"{:.1}\">{how}{rings}</text></svg>",
-                height + 18.0
-            ),
-        );
-        out
+        match pairs().filter(|(a, b)| a.is_some() && b.is_none()).count() {
+            0 => how,
+            missing => format!("{how}; rings: {missing} not found"),
+        }
     }
 }
 
 /// An arrow with a head of 3 to 8 units, or a dot where it is too short for one.
-fn arrow(out: &mut String, [x, y]: [f64; 2], [dx, dy]: [f64; 2]) {
+fn arrow(svg: &mut Svg, from: [f64; 2], [dx, dy]: [f64; 2]) {
     let length = dx.hypot(dy);
-    push(out, format_args!("<circle class=\"f0\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2\"/>"));
+    svg.circle(from, 2.0, "class=\"f0\"");
     if !length.is_finite() || length < 1.0 {
         return;
     }
     let head = (0.35 * length).clamp(3.0, 8.0).min(length);
     let [ux, uy] = [dx / length, dy / length];
-    let (tip_x, tip_y) = (x + dx, y + dy);
-    let (back_x, back_y) = (tip_x - head * ux, tip_y - head * uy);
+    let tip = [from[0] + dx, from[1] + dy];
+    let back = [tip[0] - head * ux, tip[1] - head * uy];
     let half = 0.45 * head;
-    push(
-        out,
-        format_args!("<path class=\"curve s0\" d=\"M{x:.1} {y:.1}L{back_x:.1} {back_y:.1}\"/>"),
-    );
-    push(
-        out,
-        format_args!(
-            "<path class=\"f0\" d=\"M{tip_x:.1} {tip_y:.1}L{:.1} {:.1} {:.1} {:.1}z\"/>",
-            back_x - half * uy,
-            back_y + half * ux,
-            back_x + half * uy,
-            back_y - half * ux
-        ),
-    );
+    svg.line(&[from, back], false, "class=\"curve s0\"");
+    let left = [back[0] - half * uy, back[1] + half * ux];
+    let right = [back[0] + half * uy, back[1] - half * ux];
+    svg.line(&[tip, left, right], true, "class=\"f0\"");
 }

@@ -12,7 +12,7 @@ mod tests;
 mod uncompensated;
 
 pub use maps::{Method, Solved};
-pub use report::{Brightness, ByColour, ColourReport, GainReport, Report};
+pub use report::{Brightness, ByColour, ColourReport, GainReport, ImageReport, Report};
 pub use shown::Shown;
 pub(crate) use uncompensated::AsIs;
 pub use uncompensated::uncompensated_map;

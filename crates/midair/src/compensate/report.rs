@@ -1,7 +1,7 @@
 //! What a compensation is, in figures.
 
 use super::{Compensation, Method};
-use crate::map::{Counts, Effort};
+use crate::map::{Counts, Effort, ImagePoint, formation};
 use crate::picture::Overflow;
 use serde::{Serialize, Serializer};
 use std::time::Duration;
@@ -17,6 +17,8 @@ pub struct Report {
     pub size: [usize; 2],
     /// The map's pixels by status.
     pub status: Counts,
+    /// What becomes of the image.
+    pub image: ImageReport,
     /// Largest |uv - exact| over the ok pixels of all maps; `None` where none is proved.
     pub error_bound: Option<f64>,
     /// Rays traced for all maps.
@@ -28,6 +30,28 @@ pub struct Report {
     /// The time that the maps took.
     #[serde(skip)]
     pub time: Duration,
+}
+
+/// What becomes of the image, over 64 x 64 of its points.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct ImageReport {
+    /// The share that is formed.
+    pub formed: f64,
+    /// The share whose display pixels are seen at other image points as well.
+    pub folded: f64,
+}
+
+/// Image points along a side that an [`ImageReport`] looks at.
+const POINTS: usize = 64;
+/// An image of which less is formed will not be recognised.
+const LITTLE: f64 = 0.5;
+
+impl ImageReport {
+    /// Whether too little of the image is formed for a viewer to recognise it.
+    pub fn is_little(&self) -> bool {
+        self.formed < LITTLE
+    }
 }
 
 /// Red's, green's and blue's.
@@ -87,6 +111,12 @@ fn overflow_name<S: Serializer>(overflow: &Overflow, serializer: S) -> Result<S:
 }
 
 impl Compensation {
+    fn image(&self) -> ImageReport {
+        let shares = formation(self.setup(), self.map(), [POINTS; 2]).shares();
+        let share = |point| shares.get(&point).copied().unwrap_or(0.0);
+        ImageReport { formed: share(ImagePoint::Formed), folded: share(ImagePoint::Folded) }
+    }
+
     /// What it is, in figures.
     pub fn report(&self) -> Report {
         let bound = self.solved().iter().fold(0.0, |worst: f64, s| worst.max(s.map.error_bound));
@@ -98,6 +128,7 @@ impl Compensation {
             method: self.method,
             size: self.setup().resolution,
             status: self.map().counts(),
+            image: self.image(),
             error_bound: bound.is_finite().then_some(bound),
             rays: self.solved().iter().map(|solved| solved.rays).sum(),
             effort: self.main().effort,

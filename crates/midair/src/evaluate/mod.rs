@@ -19,6 +19,8 @@
 
 pub mod character;
 pub mod colour;
+mod csv;
+pub mod explore;
 pub mod eyebox;
 pub mod layout;
 pub mod orbit;

@@ -23,6 +23,7 @@ mod inputs;
 mod kept;
 mod output;
 mod place;
+mod relative;
 mod staging;
 mod whole;
 
@@ -30,5 +31,6 @@ pub use crate::map::format::FileError;
 pub use inputs::Inputs;
 pub use kept::Kept;
 pub use output::Output;
+pub use relative::renamed;
 pub use staging::remove_unfinished;
 pub use whole::{write_atomically, write_bytes_atomically};

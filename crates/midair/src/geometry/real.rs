@@ -120,6 +120,7 @@ impl<const N: usize> Sub for Dual<N> {
 impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
     #[inline]
+    #[expect(clippy::suspicious_arithmetic_impl, reason = "the product rule adds")]
     fn mul(self, o: Self) -> Self {
         Self { re: self.re * o.re, d: self.joined(o, |a, b| a * o.re + self.re * b) }
     }

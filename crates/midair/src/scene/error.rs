@@ -82,7 +82,7 @@ impl SceneText {
     }
 
     /// The text itself.
-    pub(super) fn text(&self) -> &str {
+    pub fn text(&self) -> &str {
         self.text.inner()
     }
 

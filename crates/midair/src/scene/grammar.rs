@@ -732,6 +732,13 @@ static SHAPES: [(&str, &Block); 15] = [
                     "The file's unit of length.",
                 ),
                 optional(
+                    "smoothing",
+                    Kind::Integer(0, 1000),
+                    None,
+                    Need::Integer(0),
+                    "Steps by which the surface is smoothed, as polishing does to a scan: waves shorter than about ten edges go, the form stays.",
+                ),
+                optional(
                     "normals",
                     Kind::Choice(&["auto", "smooth", "flat"]),
                     None,

@@ -309,6 +309,8 @@ pub enum Shape {
         scale: f64,
         /// Millimetres in one unit of the file.
         unit: f64,
+        /// Steps of smoothing (Taubin 1995).
+        smoothing: usize,
         /// How normals are taken.
         normals: Normals,
     },

@@ -149,7 +149,7 @@ fn shape(shape: &Shape) -> String {
                  depth = {depth:?}"
             )
         }
-        Shape::Mesh { file, scale, unit, normals } => {
+        Shape::Mesh { file, scale, unit, smoothing, normals } => {
             let named = UNITS.iter().find(|(_, factor)| factor == unit);
             let (scale, unit) = named.map_or((scale * unit, "mm"), |(name, _)| (*scale, name));
             let normals = match normals {
@@ -161,7 +161,7 @@ fn shape(shape: &Shape) -> String {
             };
             format!(
                 "kind = \"mesh\", file = {}, scale = {scale:?}, unit = \"{unit}\", \
-                 normals = {normals}",
+                 smoothing = {smoothing}, normals = {normals}",
                 text(&file.to_string_lossy())
             )
         }

@@ -2,7 +2,7 @@
 
 use crate::map::{Gain, ImageGain, Map, pixel_centre};
 use crate::picture::Picture;
-use crate::transport::{Path, Setup};
+use crate::transport::{Path, Setup, Step};
 use rayon::prelude::*;
 
 /// What is left of each display pixel's light at the viewpoint, along the path that the map compensates: Fresnel's losses (of a polarised display those of
@@ -152,12 +152,17 @@ fn continued(nodes: Gain) -> Gain {
 /// Where on the display the viewer looks who looks at an image point, and which share of the light from there arrives.
 fn arriving(setup: &Setup, uv: [f64; 2], path: &mut Path) -> Option<([f64; 2], [f64; 3])> {
     let st = setup.transport(uv, path).st()?;
+    Some((st, share_along(setup, uv, path)?))
+}
+
+/// Which share of R, G, B arrives from the display along an image point's path.
+pub(crate) fn share_along(setup: &Setup, uv: [f64; 2], path: &[Step]) -> Option<[f64; 3]> {
     let left = setup.remainder(setup.ray(uv), path)?;
     let real = setup
         .plate
         .real_share(setup.plate.rectangle.frame.to_local_direction(-left.at_plate.direction));
     let emitted = setup.emitted_against(left.at_display);
-    Some((st, [0, 1, 2].map(|c| left.share[c] * real[c] / left.faces * emitted[c])))
+    Some([0, 1, 2].map(|c| left.share[c] * real[c] / left.faces * emitted[c]))
 }
 
 /// The view of a display with its losses, in closed form: one line of sight through each pixel of a view of the image. Transparent black

@@ -40,6 +40,7 @@ pub mod tone;
 
 pub use camera::{Camera, Sight, check_view};
 pub use film::{ErrorEstimate, Layers, Light, Render};
+pub(crate) use gain::share_along;
 pub use gain::{ImageGainWork, faded_view, gain, image_gain};
 pub use lens::Viewer;
 pub use reference::Reference;

@@ -43,12 +43,12 @@ impl<T: Real> Placing<T> {
         Self { origin: Vec3::constant(frame.origin), axes: frame.axes.map(Vec3::constant) }
     }
 
-    fn to_local_direction(&self, d: Vec3<T>) -> Vec3<T> {
+    fn local_direction(&self, d: Vec3<T>) -> Vec3<T> {
         let [x, y, z] = self.axes;
         Vec3::new(d.dot(x), d.dot(y), d.dot(z))
     }
 
-    fn to_world_direction(&self, d: Vec3<T>) -> Vec3<T> {
+    fn world_direction(&self, d: Vec3<T>) -> Vec3<T> {
         let [x, y, z] = self.axes;
         x.scaled(d.x) + y.scaled(d.y) + z.scaled(d.z)
     }
@@ -88,8 +88,8 @@ impl<T: Real> MovedElement<T> {
     fn facet(&self, element: &Element, ray: &Ray<T>, step: &mut Step) -> Option<(T, Vec3<T>)> {
         let stretch = self.stretch;
         let shrunk = |v: Vec3<T>| Vec3::new(v.x / stretch.x, v.y / stretch.y, v.z / stretch.z);
-        let origin = shrunk(self.frame.to_local_direction(ray.origin - self.frame.origin));
-        let direction = shrunk(self.frame.to_local_direction(ray.direction));
+        let origin = shrunk(self.frame.local_direction(ray.origin - self.frame.origin));
+        let direction = shrunk(self.frame.local_direction(ray.direction));
         let length = direction.length();
         let local = Ray { origin, direction: direction.scaled(length.recip()) };
         if step.seamless {
@@ -97,7 +97,7 @@ impl<T: Real> MovedElement<T> {
             step.face = mesh.settle(&local.value(), step.face, step.crossing)?;
         }
         let (t, normal) = element.shape.cross(&local, step.face, step.crossing);
-        let normal = self.frame.to_world_direction(shrunk(normal)).normalized();
+        let normal = self.frame.world_direction(shrunk(normal)).normalized();
         let faces_away = ray.direction.dot(normal).value() > 0.0;
         Some((t / length, if faces_away { -normal } else { normal }))
     }
@@ -180,7 +180,7 @@ impl Setup {
     fn pass_moved_plate<T: Real>(&self, ray: &Ray<T>, frame: &Placing<T>) -> Ray<T> {
         let mut origin = ray.at(frame.plane_distance(ray));
         if let Some(layers) = self.plate.layers() {
-            let [x, y] = layers.shift(frame.to_local_direction(ray.direction));
+            let [x, y] = layers.shift(frame.local_direction(ray.direction));
             let [right, up, _] = frame.axes;
             origin = origin + right.scaled(x) + up.scaled(y);
         }

@@ -15,6 +15,7 @@ use midair::map::format::Format;
 use midair::picture::Picture;
 use midair::simulate::Camera;
 use midair::transport::Setup;
+use midair_report::image_warning;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -131,6 +132,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     bar.finish();
 
     let report = compensation.report();
+    notes.extend(image_warning(&report.image));
     let mut told = json!(report);
     told["midair"] = json!(env!("CARGO_PKG_VERSION"));
     told["command"] = json!("compensate");

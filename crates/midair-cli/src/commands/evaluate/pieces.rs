@@ -2,7 +2,7 @@
 
 use super::Arguments;
 use crate::failure::Failure;
-use crate::output::inputs;
+use crate::output::keep_for_folder;
 use midair::evaluate::paper::{Photograph, Quality, Settings, Shape};
 use midair::files::{Kept, write_bytes_atomically};
 use midair::map::format::FileError;
@@ -25,12 +25,8 @@ impl Pieces {
         photographs: &[Photograph],
         lpips: bool,
     ) -> Result<Self, Failure> {
-        let out = &arguments.out;
-        std::fs::create_dir_all(out).map_err(|error| FileError::io(out, "create", error))?;
-        // A name of its own, whatever is written: `.`, `a/..`.
-        let out = out.canonicalize().map_err(|error| FileError::io(out, "find", error))?;
-        let work = format!("{:#}\n", description(arguments, settings, photographs, lpips));
-        let kept = Kept::begin(&out, &work, arguments.resume, inputs())?;
+        let work = description(arguments, settings, photographs, lpips);
+        let kept = keep_for_folder(&arguments.out, &work, arguments.resume)?;
         Ok(Self { kept, out: arguments.out.clone(), files: RefCell::default() })
     }
 

@@ -1,60 +1,47 @@
 //! The evaluation as tables for other programs.
 
 use super::evaluation::{Displacements, Evaluation, MEASURES};
-use std::fmt::Write as _;
+use crate::evaluate::csv::{Table, number};
 
 impl Evaluation {
     /// Likeness, a row for each image on each surface: with compensation, without, and what noise alone leaves; a value that is not known is empty.
     pub fn likeness_csv(&self) -> String {
-        let mut csv = "surface,image".to_owned();
+        let mut head = vec!["surface".to_owned(), "image".to_owned()];
         for (name, _, _) in MEASURES {
-            let _ = write!(csv, ",{name}_with,{name}_without,{name}_noise_alone");
+            head.extend(["with", "without", "noise_alone"].map(|of| format!("{name}_{of}")));
         }
-        csv.push('\n');
+        let mut table = Table::new(head);
         for row in &self.quality {
-            csv += &format!("{},{}", field(&row.surface), field(&row.image));
+            let mut fields = vec![row.surface.clone(), row.image.clone()];
             for (_, of, _) in MEASURES {
-                for scores in [&row.with, &row.without, &row.floor] {
-                    csv += &number(of(scores));
-                }
+                fields
+                    .extend([&row.with, &row.without, &row.floor].map(|scores| number(of(scores))));
             }
-            csv.push('\n');
+            table.row(fields);
         }
-        csv
+        table.finish()
     }
 
     /// Displacements in the camera's pixels, a row for each azimuth: calculated, measured, and calculated over the measured intersections.
     pub fn displacement_csv(&self) -> String {
-        let mut csv = "surface,azimuth".to_owned();
+        let mut head = vec!["surface".to_owned(), "azimuth".to_owned()];
         for name in ["calculated", "measured", "calculated_there"] {
-            let _ = write!(csv, ",{name}_with,{name}_kept,{name}_without");
+            head.extend(["with", "kept", "without"].map(|of| format!("{name}_{of}")));
         }
-        csv += ",intersections,measured_intersections\n";
+        head.extend(["intersections", "measured_intersections"].map(str::to_owned));
+        let mut table = Table::new(head);
         for shape in &self.shapes {
             for view in &shape.views {
-                csv += &format!("{},{}", field(&shape.surface), view.azimuth);
+                let mut fields = vec![shape.surface.clone(), view.azimuth.to_string()];
                 let all: [Displacements; 3] = [view.exact, view.measured, view.exact_there];
-                for value in all.into_iter().flat_map(Displacements::all) {
-                    csv += &number(value);
-                }
-                let _ = writeln!(csv, ",{},{}", shape.intersections, shape.measured_intersections);
+                fields.extend(all.into_iter().flat_map(Displacements::all).map(number));
+                fields.extend(
+                    [shape.intersections, shape.measured_intersections].map(|n| n.to_string()),
+                );
+                table.row(fields);
             }
         }
-        csv
-    }
-}
-
-/// A number with the comma before it.
-fn number(value: Option<f64>) -> String {
-    value.filter(|value| value.is_finite()).map_or(",".to_owned(), |value| format!(",{value}"))
-}
-
-/// A text as RFC 4180 has it.
-fn field(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_owned()
+        table.finish()
     }
 }
 

@@ -15,6 +15,7 @@ pub(super) mod overlap;
 mod ply;
 mod polygon;
 mod read;
+mod smoothing;
 mod stl;
 #[cfg(test)]
 mod tests;
@@ -25,6 +26,7 @@ pub use error::MeshError;
 pub use mend::{Mended, Surface, mend};
 pub use normals::Shading;
 pub use read::{Beside, MeshFormat, RawMesh, read};
+pub use smoothing::Moved;
 
 use super::Vec3;
 use std::path::Path;

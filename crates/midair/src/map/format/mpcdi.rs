@@ -132,8 +132,14 @@ pub(super) fn read(
     };
     let warp = member(&mut archive, path, &warp_name, MAX_PIXELS * 12 + 256)?;
     let (width, height, values) = parse_pfm(path, &warp_name, &warp)?;
-    let told = |key: &str| about?.attribute(key)?.trim().parse::<usize>().ok();
-    if let (Some(across), Some(down)) = (told("Xresolution"), told("Yresolution"))
+    // Some write XResolution for Xresolution.
+    let told = |key: &str| {
+        let mut attributes = about?.attributes();
+        let attribute = attributes.find(|attribute| attribute.name().eq_ignore_ascii_case(key))?;
+        Some(attribute.value().trim())
+    };
+    let pixels = |key: &str| told(key)?.parse::<usize>().ok();
+    if let (Some(across), Some(down)) = (pixels("Xresolution"), pixels("Yresolution"))
         && (across, down) != (width, height)
     {
         let problem = format!(
@@ -144,6 +150,19 @@ pub(super) fn read(
             problem,
             "export a warp with a point for each pixel",
         ));
+    }
+    // The warp says places in the region's part of the source, from the source's upper left corner.
+    let share = |key: &str, usual: f64| match told(key) {
+        None => Ok(usual),
+        Some(text) => text.parse::<f64>().ok().filter(|share| share.is_finite()).ok_or_else(|| {
+            bad(DESCRIPTION, format!("the region {id} has {key}=\"{text}\", which is no number"))
+        }),
+    };
+    let [left, top] = [share("x", 0.0)?, share("y", 0.0)?];
+    let [across, down] = [share("xsize", 1.0)?, share("ysize", 1.0)?];
+    if across <= 0.0 || down <= 0.0 {
+        let problem = format!("the region {id} has no extent: xsize {across}, ysize {down}");
+        return Err(bad(DESCRIPTION, problem));
     }
     let cover = match named("alphaMap") {
         None => None,
@@ -161,7 +180,7 @@ pub(super) fn read(
     let mut map =
         Map { width, height, uv: Vec::new(), status: Vec::new(), error_bound: f64::INFINITY };
     for (i, &[x, y, _]) in values.iter().enumerate() {
-        let uv = answer([f64::from(x), 1.0 - f64::from(y)]);
+        let uv = answer([left + across * f64::from(x), 1.0 - (top + down * f64::from(y))]);
         let shown = cover.as_ref().is_none_or(|cover| cover[i] > 0);
         map.uv.push(uv.unwrap_or([f64::NAN; 2]));
         map.status.push(if uv.is_some() && shown { Status::Ok } else { Status::Outside });

@@ -1,6 +1,7 @@
 //! The curve of a line near a crossing, from measured centres.
 
 use super::ridge::unit;
+use nalgebra::{Cholesky, DMatrix, DVector};
 
 /// A curve in a frame of its own: v = polynomial of t = (u - middle) / half, u along the line.
 #[derive(Clone, Debug)]
@@ -181,51 +182,29 @@ pub(super) fn least_squares(
     degree: usize,
     at: f64,
 ) -> Option<(Vec<f64>, f64)> {
-    const MOST: usize = 8;
     let n = degree + 1;
-    let mut moments = [0.0; 2 * MOST];
-    let mut right = [0.0; MOST];
+    let mut moments = vec![0.0; 2 * n - 1];
+    let mut right = DVector::zeros(n);
     for &(t, v) in points {
         let mut power = 1.0;
-        for order in 0..2 * n - 1 {
-            moments[order] += power;
+        for (order, moment) in moments.iter_mut().enumerate() {
+            *moment += power;
             if order < n {
                 right[order] += power * v;
             }
             power *= t;
         }
     }
-    let mut factor = [[0.0; MOST]; MOST];
-    for row in 0..n {
-        for column in 0..=row {
-            let known: f64 = (0..column).map(|k| factor[row][k] * factor[column][k]).sum();
-            let rest = moments[row + column] - known;
-            if row == column {
-                // All t in fewer places than the polynomial has coefficients.
-                if rest.is_nan() || rest < 1e-10 * moments[0] {
-                    return None;
-                }
-                factor[row][row] = rest.sqrt();
-            } else {
-                factor[row][column] = rest / factor[column][column];
-            }
-        }
+    let normal = DMatrix::from_fn(n, n, |row, column| moments[row + column]);
+    let factor = Cholesky::new(normal)?;
+    let lower = factor.l();
+    // All t in fewer places than the polynomial has coefficients.
+    if lower.diagonal().iter().any(|pivot| pivot * pivot < 1e-10 * moments[0]) {
+        return None;
     }
-    let forward = |right: &[f64]| -> Vec<f64> {
-        let mut solved = vec![0.0; n];
-        for row in 0..n {
-            let known: f64 = (0..row).map(|k| factor[row][k] * solved[k]).sum();
-            solved[row] = (right[row] - known) / factor[row][row];
-        }
-        solved
-    };
-    let mut coefficients = forward(&right[..n]);
-    for row in (0..n).rev() {
-        let known: f64 = (row + 1..n).map(|k| factor[k][row] * coefficients[k]).sum();
-        coefficients[row] = (coefficients[row] - known) / factor[row][row];
-    }
-    let powers: Vec<f64> = (0..n).map(|power| at.powi(power as i32)).collect();
-    let variance = forward(&powers).iter().map(|x| x * x).sum();
+    let powers = DVector::from_fn(n, |power, _| at.powi(power as i32));
+    let variance = lower.solve_lower_triangular(&powers)?.norm_squared();
+    let coefficients = factor.solve(&right).data.into();
     Some((coefficients, variance))
 }
 

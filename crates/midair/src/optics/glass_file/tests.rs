@@ -140,11 +140,6 @@ fn errors_name_the_file_the_line_and_the_remedy() {
         ("DATA:\n  - type: tabulated n\n    data: |\n      0.4 -1.5\n", 4, "negative"),
         ("DATA:\n  - type: tabulated n\n    data: \"\"\n", 3, "empty"),
         ("DATA:\n  - type: tabulated k\n    data: |\n      0.4 0\n", 2, "nothing of an index"),
-        (
-            "DATA:\n  - type: tabulated n\n    data: 0.4 1\n  - type: tabulated n\n    data: 0.4 1\n",
-            4,
-            "twice",
-        ),
         ("DATA:\n  - {type: formula 1\n", 3, "no YAML"),
         ("DATA:\n  - 7\n", 2, "list of entries"),
         ("DATA:\n  - type: formula 1\n    type: formula 2\n", 3, "duplicated key"),
@@ -156,6 +151,19 @@ fn errors_name_the_file_the_line_and_the_remedy() {
     }
     let latin = GlassFile::from_yaml(b"a: 1\nb: caf\xe9\n", Path::new("glass.yml")).unwrap_err();
     assert!(latin.to_string().contains("line 2: it is not UTF-8"), "{latin}");
+}
+
+#[test]
+fn of_a_fit_and_its_table_the_last_entry_counts() {
+    let glass = parsed(
+        "DATA:\n  - type: formula 5\n    wavelength_range: 0.375 1\n    coefficients: 1.5 0.0 -2\n  - type: tabulated nk\n    data: |\n      \
+         0.4 1.6 0.001\n      0.6 1.7 0.003\n",
+    )
+    .unwrap();
+    // Half way between the table's lines.
+    assert!((glass.index(0.5) - 1.65).abs() < 1e-12);
+    assert!((glass.absorption(0.5) - 4.0 * std::f64::consts::PI * 0.002 / 0.0005).abs() < 1e-9);
+    assert_eq!(glass.range(), [0.4, 0.6]);
 }
 
 #[test]

@@ -64,10 +64,7 @@ pub(super) fn parse(yaml: &str) -> Result<GlassFile, Fault> {
             }
         };
         if let Some((range, dispersion)) = found {
-            if index.is_some() {
-                let problem = "the index is given twice; keep the entry of DATA that is to count";
-                return Err((entry.line, problem.to_owned()));
-            }
+            // A fit and the table that it was made of are both in some files: the last entry counts, as for those who read the database otherwise.
             index = Some((dispersion, range));
         }
     }
@@ -147,7 +144,11 @@ fn columns<const N: usize>(entry: &Entry, names: [&str; N]) -> Result<[Table; N]
             // A measured k that is too small to be told from none comes out on either side of it.
             let none = name == "k" && found > -NOISE;
             if found < 0.0 && !none {
-                return Err((line, format!("{name} is {found}; it cannot be negative")));
+                if ASKED_FOR.contains(&wavelength) {
+                    return Err((line, format!("{name} is {found}; it cannot be negative")));
+                }
+                *value = f64::NAN;
+                continue;
             }
             *value = found.max(0.0);
         }
@@ -165,6 +166,9 @@ fn columns<const N: usize>(entry: &Entry, names: [&str; N]) -> Result<[Table; N]
     };
     Ok(std::array::from_fn(column))
 }
+
+/// Wavelengths in micrometres that displays have. A slip of the pen beyond them, as some of the database's files have, says nothing of these.
+const ASKED_FOR: std::ops::RangeInclusive<f64> = 0.38..=0.78;
 
 /// A k above minus this is none: what the tables are measured with does not tell smaller ones from it.
 const NOISE: f64 = 1e-6;

@@ -15,6 +15,7 @@ use super::{Format, parse_with_places, to_toml};
 use path::{Place, Step};
 use serde::Serialize;
 use std::fmt;
+use std::path::{Path, PathBuf};
 
 /// A value for a key of a scene file. Shown, it is as TOML has it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -212,6 +213,30 @@ impl SceneEdit {
             }
         };
         self.accept(vec![(place.steps, Some(value))])
+    }
+
+    /// Gives the files that the scene names other names: those by which they are found from where the scene is to be saved.
+    ///
+    /// # Errors
+    /// [`SceneError`] where a name is no text.
+    pub fn rename_files(&mut self, rename: &dyn Fn(&Path) -> PathBuf) -> Result<(), SceneError> {
+        let of_element = |i: usize| {
+            ["shape", "material", "fill"].map(|block| format!("element.{i}.{block}.file"))
+        };
+        let others = ["plate.luminance", "display.response", "display.emission"];
+        let elements = (0..self.scene.elements.len()).flat_map(of_element);
+        for key in elements.chain(others.map(str::to_owned)).collect::<Vec<_>>() {
+            let Ok(Some(Setting::Text(name))) = self.get(&key) else { continue };
+            let renamed = rename(Path::new(&name));
+            let Some(renamed) = renamed.to_str() else {
+                let message = format!("{} is not a name in UTF-8", renamed.display());
+                return Err(self.wrong(&key, &message, "save the scene elsewhere"));
+            };
+            if renamed != name {
+                self.set(&key, renamed)?;
+            }
+        }
+        Ok(())
     }
 
     /// Writes all that another scene says differently.

@@ -147,16 +147,18 @@ fn shape_strategy() -> impl Strategy<Value = Shape> {
             "[^\\x00]{1,20}",
             1e-9..1e9f64,
             prop::sample::select(tree::UNITS.to_vec()),
+            0usize..1000,
             prop_oneof![
                 (0.0..180.0f64).prop_map(|crease_angle| Normals::Auto { crease_angle }),
                 Just(Normals::Smooth),
                 Just(Normals::Flat)
             ]
         )
-            .prop_map(|(file, scale, (_, unit), normals)| Shape::Mesh {
+            .prop_map(|(file, scale, (_, unit), smoothing, normals)| Shape::Mesh {
                 file: file.into(),
                 scale,
                 unit,
+                smoothing,
                 normals
             }),
     ]

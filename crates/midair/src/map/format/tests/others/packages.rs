@@ -75,3 +75,59 @@ fn mpcdi_files_are_read_right_or_refused_by_name() {
     // A quarter further than 0.9375 there is no picture.
     assert_eq!(left.status[1], Status::Outside);
 }
+
+#[test]
+fn a_region_of_a_part_of_the_source_leads_into_that_part() {
+    let of = |place: &str| {
+        let mut package = mpcdi_of("2d", &[("left", [3, 2], pfm("\n", 0.0))]);
+        replace_in_description(&mut package, "x=\"0\" y=\"0\" xsize=\"1\" ysize=\"1\"", place);
+        decode("m.mpcdi", &[("m.mpcdi", package)], None, None, None)
+    };
+    let part = of("x=\"0.5\" y=\"0.25\" xsize=\"0.375\" ysize=\"0.5\"").unwrap();
+    let mut compared = 0;
+    for (told, uv) in part.uv.iter().zip(shares()) {
+        let Some([u, v]) = uv else {
+            assert!(told[0].is_nan());
+            continue;
+        };
+        // From 0.25 to 0.75 below the upper edge is from 0.75 down to 0.25 in v.
+        let wanted = [0.5 + 0.375 * u, 0.25 + 0.5 * v];
+        assert!((0..2).all(|c| (told[c] - wanted[c]).abs() < 1e-7), "{told:?} {wanted:?}");
+        compared += 1;
+    }
+    assert!(compared > 2);
+    // Where nothing is said, the region is all of the source; other programs write XResolution.
+    check("nothing said", of(""));
+    for (place, word) in [
+        ("x=\"left\"", "x=\"left\", which is no number"),
+        ("xsize=\"0\"", "has no extent"),
+        ("ysize=\"NaN\"", "no number"),
+    ] {
+        let message = of(place).unwrap_err();
+        assert!(message.contains(word), "{message}");
+    }
+    let mut coarse = mpcdi_of("2d", &[("left", [1920, 1080], pfm("\n", 0.0))]);
+    replace_in_description(&mut coarse, "Xresolution=\"1920\" Yres", "XResolution=\"1920\" YRes");
+    let message = decode("m.mpcdi", &[("m.mpcdi", coarse)], None, None, None).unwrap_err();
+    assert!(message.contains("coarse grid"), "{message}");
+}
+
+/// The package with other words in its description.
+fn replace_in_description(package: &mut Vec<u8>, from: &str, to: &str) {
+    let mut archive = zip::ZipArchive::new(std::io::Cursor::new(package.as_slice())).unwrap();
+    let mut changed = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    for i in 0..archive.len() {
+        let mut file = archive.by_index(i).unwrap();
+        let mut bytes = Vec::new();
+        std::io::Read::read_to_end(&mut file, &mut bytes).unwrap();
+        let name = file.name().unwrap().into_owned();
+        if name == "mpcdi.xml" {
+            let text = String::from_utf8(bytes).unwrap();
+            assert!(text.contains(from), "{text}");
+            bytes = text.replace(from, to).into_bytes();
+        }
+        changed.start_file(name, SimpleFileOptions::default()).unwrap();
+        changed.write_all(&bytes).unwrap();
+    }
+    *package = changed.finish().unwrap().into_inner();
+}
