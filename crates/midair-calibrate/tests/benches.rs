@@ -45,11 +45,11 @@ fn owned(names: &[&[&str]]) -> Vec<Vec<String>> {
 }
 
 /// Three views, one of them oblique, of the scene as it really is.
-fn photographed(setup: &Setup, draw: &mut fastrand::Rng) -> Vec<ViewPoints> {
+fn photographed(setup: &Setup, noise: f64, draw: &mut fastrand::Rng) -> Vec<ViewPoints> {
     [("front", 0.0, 0.0), ("right", 14.0, 3.0), ("oblique", -10.0, 12.0)]
         .into_iter()
         .map(|(name, right, up)| {
-            view(name, setup, &camera(setup, right, up), &lens(setup), COUNT, NOISE, draw)
+            view(name, setup, &camera(setup, right, up), &lens(setup), COUNT, noise, draw)
         })
         .collect()
 }
@@ -112,14 +112,14 @@ fn truth(name: &str, real: &Loaded, cameras: &[(&str, Frame)]) -> f64 {
     }
 }
 
-fn rehearse(bench: &Bench, seed: u64) -> (Loaded, Finding, Vec<(&'static str, Frame)>) {
+fn rehearse(bench: &Bench, seed: u64, noise: f64) -> (Loaded, Finding, Vec<(&'static str, Frame)>) {
     let mut draw = fastrand::Rng::with_seed(seed);
     let assumed = loaded(bench.scene);
     let together = owned(bench.together);
     let uncertainty = Uncertainty::default();
     let real = disturbed(&assumed, &uncertainty, &together, &[], &mut draw).expect("known names");
     let setup = Setup::new(&real).expect("it can be traced");
-    let views = photographed(&setup, &mut draw);
+    let views = photographed(&setup, noise, &mut draw);
     let cameras = [("front", 0.0, 0.0), ("right", 14.0, 3.0), ("oblique", -10.0, 12.0)]
         .map(|(name, right, up)| (name, camera(&setup, right, up)));
     let options = Options { lens: Some(lens(&setup)), together, starts: 4, ..Options::default() };
@@ -127,13 +127,38 @@ fn rehearse(bench: &Bench, seed: u64) -> (Loaded, Finding, Vec<(&'static str, Fr
     (real, finding, cameras.to_vec())
 }
 
+/// How many benches of each kind there are, and the number of the first one: few by themselves, more in `cargo xtask campaign --calibrate`.
+fn campaign() -> std::ops::Range<u64> {
+    let number = |name: &str, usual: u64| match std::env::var(name) {
+        Ok(text) => text.parse().unwrap_or_else(|error| panic!("{name}: {error}")),
+        Err(_) => usual,
+    };
+    let first = number("MIDAIR_CAMPAIGN_FIRST", 11);
+    first..first + number("MIDAIR_CAMPAIGN", 2)
+}
+
+/// How many numbers that are called determined there were, and how many lie within three deviations.
+#[derive(Default)]
+struct Within {
+    determined: usize,
+    within: usize,
+}
+
+impl Within {
+    fn add(&mut self, is_within: bool) {
+        self.determined += 1;
+        self.within += usize::from(is_within);
+    }
+}
+
 #[test]
 fn the_scene_is_found_and_its_deviations_mean_something() {
-    let (mut determined, mut within) = (0, 0);
+    let (mut scenes, mut cameras_too) = (Within::default(), Within::default());
     let mut elsewhere = Vec::new();
     for bench in &BENCHES {
-        for seed in [11, 12] {
-            let (real, finding, cameras) = rehearse(bench, seed);
+        let mut of_kind = Vec::new();
+        for seed in campaign() {
+            let (real, finding, cameras) = rehearse(bench, seed, NOISE);
             let name = format!("{} {seed}", bench.scene);
             let setup = Setup::new(&real).expect("it can be traced");
             // The points' own noise, along both axes, is all that is left; with a tenth more for what scatter may do.
@@ -145,29 +170,58 @@ fn the_scene_is_found_and_its_deviations_mean_something() {
             let fitted = Setup::new(&finding.loaded).expect("it can be traced");
             let off = off_at_another_viewpoint(&setup, &fitted);
             eprintln!(
-                "{name}: left {left:.3} ({noise:.3}), before {:.1}, elsewhere {off:.3} px, {:?}",
-                finding.residual.before, finding.starts
+                "{name}: left {left:.3} ({noise:.3}), before {:.1}, elsewhere {off:.3} px, {:?}, {} rounds",
+                finding.residual.before, finding.starts, finding.rounds
             );
-            // Half a pixel in the median, one and a half in the worst of benches: what a lattice's lines are wide.
-            assert!(off < 1.5, "{name}: {off}");
-            elsewhere.push(off);
+            of_kind.push(off);
             for parameter in finding.parameters.iter().filter(|p| p.determined) {
                 let real = truth(&parameter.name, &real, &cameras);
                 let off = (parameter.value - real).abs() / parameter.sigma;
-                determined += 1;
-                if off < 3.0 {
-                    within += 1;
-                } else {
+                cameras_too.add(off < 3.0);
+                if parameter.name.starts_with("element.") {
+                    scenes.add(off < 3.0);
+                }
+                if off >= 3.0 {
                     eprintln!("{name}: {parameter:?} is {real}: {off:.1} deviations");
                 }
             }
         }
+        let (middle, worst) = middle_and_worst(&mut of_kind);
+        eprintln!(
+            "{}: elsewhere {middle:.3} px in the median, {worst:.3} in the worst",
+            bench.scene
+        );
+        elsewhere.extend(of_kind);
     }
-    elsewhere.sort_by(f64::total_cmp);
-    let middle = elsewhere[elsewhere.len() / 2];
-    assert!(middle < 0.5, "{elsewhere:?}");
-    // 97 of 100 within three deviations.
-    assert!(determined > 100 && within * 100 >= determined * 97, "{within} of {determined}");
+    let (middle, worst) = middle_and_worst(&mut elsewhere);
+    for (what, Within { determined, within }) in [("elements", &scenes), ("all", &cameras_too)] {
+        let share = 100.0 * *within as f64 / *determined as f64;
+        eprintln!("{what}: {within} of {determined} within three deviations, {share:.2} %");
+        // 97 of 100.
+        assert!(*determined > 30 && within * 100 >= determined * 97, "{within} of {determined}");
+    }
+    eprintln!("elsewhere {middle:.3} px in the median, {worst:.3} in the worst");
+    // What is asked for points as coarse as these: three tenths of a pixel in the median. What one bench may be off follows from how far such points leave
+    // it undetermined.
+    assert!(middle < 0.3, "{elsewhere:?}");
+}
+
+/// Nothing but noise keeps the fit from the scene: where there is a hundredth of it, what is off is a hundredth.
+#[test]
+fn points_without_noise_give_the_scene_itself() {
+    for bench in &BENCHES {
+        let (real, finding, _) = rehearse(bench, 12, 0.01 * NOISE);
+        let setups = [&real, &finding.loaded].map(|l| Setup::new(l).expect("it can be traced"));
+        let off = off_at_another_viewpoint(&setups[0], &setups[1]);
+        eprintln!("{}: elsewhere {off:.4} px, {:?}", bench.scene, finding.starts);
+        // A hundredth of what is the most that benches with noise are off.
+        assert!(off < 0.05, "{}: {off}", bench.scene);
+    }
+}
+
+fn middle_and_worst(off: &mut [f64]) -> (f64, f64) {
+    off.sort_by(f64::total_cmp);
+    (off[off.len() / 2], off[off.len() - 1])
 }
 
 #[test]
@@ -209,7 +263,7 @@ fn wrong_points_are_told_apart() {
     let mut draw = fastrand::Rng::with_seed(3);
     let real = disturbed(&assumed, &Uncertainty::default(), &[], &[], &mut draw).expect("no names");
     let setup = Setup::new(&real).expect("it can be traced");
-    let mut views = photographed(&setup, &mut draw);
+    let mut views = photographed(&setup, NOISE, &mut draw);
     let mut wrong = 0;
     for view in &mut views {
         for point in view.object.iter_mut().step_by(9) {
@@ -232,7 +286,7 @@ fn what_cannot_be_fitted_is_refused_with_the_remedy() {
     let assumed = loaded("paper/cube");
     let setup = Setup::new(&assumed).expect("it can be traced");
     let mut draw = fastrand::Rng::with_seed(3);
-    let views = photographed(&setup, &mut draw);
+    let views = photographed(&setup, NOISE, &mut draw);
     let options = Options { lens: Some(lens(&setup)), starts: 1, ..Options::default() };
     let refused = |views: &[ViewPoints], options: &Options| {
         let error = fit(&assumed, views, options, &()).expect_err("it is refused");
