@@ -37,6 +37,17 @@ impl Floating {
         }
     }
 
+    /// Where a camera would be that sees the picture alike but for perspective: its right and down mirrored in the picture's plane.
+    fn on_the_other_side(&self, camera: &Frame) -> Frame {
+        let normal = self.axes[0].cross(self.axes[1]).normalized();
+        let mirrored = |v: Vec3| v - normal * (2.0 * v.dot(normal));
+        let [right, down] = [camera.axes[0], camera.axes[1]].map(mirrored);
+        let axes = [right, down, right.cross(down)];
+        let seen = camera.to_local(self.origin);
+        let place = self.origin - axes[0] * seen.x - axes[1] * seen.y - axes[2] * seen.z;
+        Frame { origin: place, axes }
+    }
+
     fn pairs(&self, points: &[Correspondence], seen: impl Fn([f64; 2]) -> [f64; 2]) -> Vec<Pair> {
         points
             .iter()
@@ -79,6 +90,17 @@ pub fn freedoms(views: usize, lens_is_known: bool) -> Vec<Free> {
         free.extend(lens.map(|(number, &prior)| Free { what: Freedom::Lens { number }, prior }));
     }
     free
+}
+
+/// What is left to fit to the empty photographs alone, at most so many points of each.
+fn of_empty(views: &[ViewPoints], lens_is_known: bool, most: usize) -> Problem {
+    let shots = views.iter().enumerate().map(|(view, points)| Shot {
+        view,
+        with_object: false,
+        points: points.empty.iter().step_by(points.empty.len().div_ceil(most)).copied().collect(),
+    });
+    let free = freedoms(views.len(), lens_is_known);
+    Problem { bodies: Vec::new(), shots: shots.collect(), free }
 }
 
 /// The cameras as the empty photographs tell them.
@@ -124,13 +146,7 @@ pub fn find(
         let camera = h.and_then(|h| camera_of(&h, floating.origin, floating.axes));
         cameras.push(camera.ok_or_else(|| unseen(&view.name))?);
     }
-    let free = freedoms(views.len(), known.is_some());
-    let shots = views.iter().enumerate().map(|(view, points)| Shot {
-        view,
-        with_object: false,
-        points: points.empty.clone(),
-    });
-    let problem = Problem { bodies: Vec::new(), shots: shots.collect(), free };
+    let problem = of_empty(views, known.is_some(), usize::MAX);
     let offset = DVector::zeros(problem.free.len());
     let start = State { loaded: loaded.clone(), cameras, lens, offset };
     let found = problem.descend(&start, stop)?;
@@ -153,6 +169,60 @@ pub fn find(
         }
     }
     Ok(found)
+}
+
+/// By how much less the empty photographs may fit from another place that is still to be thought of, in squared standard deviations.
+const AMBIGUOUS: f64 = 50.0;
+
+/// Points of each view that other places are tried with.
+const TRIED: usize = 400;
+
+/// The other place of each camera that its empty photographs fit about as well, the best first. From afar a flat picture looks the same from either side
+/// of its normal: only perspective, or what else is photographed, tells which it is.
+///
+/// # Errors
+/// Where the scene cannot be traced.
+pub fn other_places(
+    views: &[ViewPoints],
+    lens_is_known: bool,
+    found: &State,
+    stop: &dyn Fn() -> bool,
+) -> Result<Vec<(usize, Frame)>, Error> {
+    let floating = Floating::new(&found.setup()?);
+    let mut others = Vec::new();
+    for (view, points) in views.iter().enumerate() {
+        // Another view's points tell nothing of this camera, and the lens stays.
+        let problem = Problem {
+            shots: of_empty(views, true, TRIED)
+                .shots
+                .into_iter()
+                .filter(|s| s.view == view)
+                .collect(),
+            free: freedoms(views.len(), true)
+                .into_iter()
+                .filter(|f| f.what.is_of_view(view))
+                .collect(),
+            bodies: Vec::new(),
+        };
+        let offset = DVector::zeros(problem.free.len());
+        let here = State { offset: offset.clone(), ..found.clone() };
+        let mut there = here.clone();
+        there.cameras[view] = floating.on_the_other_side(&found.cameras[view]);
+        let (here, there) = (problem.descend(&here, stop)?, problem.descend(&there, stop)?);
+        let [a, b] = [&here, &there].map(|end| end.state.cameras[view]);
+        let worse = problem.cost(&there.state, &there.paths, &here.weights)?
+            - problem.cost(&here.state, &here.paths, &here.weights)?;
+        // The lens' own numbers, where they are found as well, make either place a little less sure.
+        let most = if lens_is_known { AMBIGUOUS } else { 2.0 * AMBIGUOUS };
+        let apart = (a.origin - b.origin).length() / (a.origin - floating.origin).length();
+        if apart > 0.01
+            && worse < most * points.empty.len() as f64 / problem.shots[0].points.len() as f64
+        {
+            others.push((worse, view, b));
+        }
+    }
+    others.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(others.into_iter().map(|(_, view, camera)| (view, camera)).collect())
 }
 
 /// A first lens, by Zhang's closed form.

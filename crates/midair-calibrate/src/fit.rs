@@ -8,6 +8,7 @@ use crate::finding::Finding;
 use crate::freedom::{Free, bodies, freedoms};
 use crate::solve::Descent;
 use crate::state::State;
+use midair::geometry::Frame;
 use midair::scene::Loaded;
 use midair::transport::{Setup, SetupError};
 use midair::{Error, Monitor};
@@ -104,7 +105,8 @@ pub fn fit(
             },
         );
     let start = State { offset, ..found.state };
-    let trials = trials(&few, &start, of_cameras, options, monitor)?;
+    let others = cameras::other_places(views, options.lens.is_some(), &start, &stop)?;
+    let trials = trials(&few, &sides(&start, &others), of_cameras, options, monitor)?;
     let best = trials.first().ok_or_else(no_start)?;
     monitor.stage("fit", 1);
     let polished = all.descend(&best.state, &stop)?;
@@ -150,38 +152,63 @@ pub fn standing_still(loaded: &Loaded) -> Loaded {
     loaded
 }
 
-/// Descents from several starts with some of the points, the best first. Starts that cannot be traced are left out.
+/// Of views that may have been taken from either of two places, the most of which all combinations are tried.
+const MOST_SIDES: usize = 3;
+
+/// Combinations that all starts are tried with: those that fit best from the scene as it was assumed.
+const LIKELIEST: usize = 2;
+
+/// The start with each combination of the places where its cameras may have been.
+fn sides(start: &State, others: &[(usize, Frame)]) -> Vec<State> {
+    let others = &others[..others.len().min(MOST_SIDES)];
+    let combination = |mask: usize| {
+        let mut state = start.clone();
+        for (bit, (view, camera)) in others.iter().enumerate() {
+            if mask >> bit & 1 == 1 {
+                state.cameras[*view] = *camera;
+            }
+        }
+        state
+    };
+    (0..1 << others.len()).map(combination).collect()
+}
+
+/// Descents from several starts with some of the points, the best first: those whose cameras set out where the best one's did. Starts that cannot be traced
+/// are left out.
 fn trials(
     problem: &Problem,
-    start: &State,
+    sides: &[State],
     of_cameras: usize,
     options: &Options,
     monitor: &dyn Monitor,
 ) -> Result<Vec<Descent>, Error> {
     let mut draw = fastrand::Rng::with_seed(options.seed);
-    let starts: Vec<State> = (0..options.starts.max(1))
-        .map(|k| match k {
-            0 => start.clone(),
-            _ => start.stepped(
-                &problem.free,
-                &problem.bodies,
-                &drawn(&problem.free, of_cameras, &mut draw),
-            ),
-        })
-        .filter(|state| Setup::new(&state.loaded).is_ok())
-        .collect();
-    monitor.stage("starts", starts.len());
-    let descents: Result<Vec<Descent>, SetupError> = starts
-        .par_iter()
-        .map(|state| {
-            let descent = problem.descend(state, &|| monitor.is_cancelled());
-            monitor.advance(1);
-            descent
-        })
-        .collect();
-    let mut descents = descents?;
-    descents.sort_by(|a, b| a.score.total_cmp(&b.score));
-    Ok(descents)
+    let steps: Vec<DVector<f64>> =
+        (1..options.starts).map(|_| drawn(&problem.free, of_cameras, &mut draw)).collect();
+    monitor.stage("starts", sides.len() + LIKELIEST.min(sides.len()) * steps.len());
+    let descend = |starts: Vec<(usize, State)>| -> Result<Vec<(usize, Descent)>, SetupError> {
+        let starts = starts.into_par_iter().filter(|(_, state)| Setup::new(&state.loaded).is_ok());
+        starts
+            .map(|(side, state)| {
+                let descent = problem.descend(&state, &|| monitor.is_cancelled())?;
+                monitor.advance(1);
+                Ok((side, descent))
+            })
+            .collect()
+    };
+    let by_score =
+        |(_, a): &(usize, Descent), (_, b): &(usize, Descent)| a.score.total_cmp(&b.score);
+    let mut descents = descend(sides.iter().cloned().enumerate().collect())?;
+    descents.sort_by(by_score);
+    let likeliest = descents.iter().take(LIKELIEST).map(|(side, _)| *side);
+    let further = likeliest.flat_map(|side| {
+        let stepped = move |step| sides[side].stepped(&problem.free, &problem.bodies, step);
+        steps.iter().map(move |step| (side, stepped(step)))
+    });
+    descents.extend(descend(further.collect())?);
+    descents.sort_by(by_score);
+    let best = descents.first().map(|(side, _)| *side);
+    Ok(descents.into_iter().filter(|(side, _)| Some(*side) == best).map(|(_, d)| d).collect())
 }
 
 /// A step from where things were assumed, drawn by how sure one is of them; cameras stay.

@@ -64,6 +64,16 @@ pub enum Freedom {
     },
 }
 
+impl Freedom {
+    /// Whether it is of the camera of a view.
+    pub fn is_of_view(self, which: usize) -> bool {
+        match self {
+            Self::CameraShift { view, .. } | Self::CameraTurn { view, .. } => view == which,
+            _ => false,
+        }
+    }
+}
+
 /// A number that the fit may change, with what was known of it: one standard deviation, `None` where nothing was.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Free {
