@@ -26,7 +26,8 @@ pub struct Advice {
 impl Advice {
     /// As a sentence.
     pub fn in_words(&self) -> String {
-        let [x, y, z] = self.position.map(f64::round);
+        // No minus before nothing.
+        let [x, y, z] = self.position.map(|place| place.round() + 0.0);
         format!(
             "A further photograph from {} (camera at {x}, {y}, {z}) would determine {} of the {} numbers that are not.",
             self.from, self.tells, self.of

@@ -124,7 +124,7 @@ pub fn find(
                         view.name,
                         points.len()
                     ),
-                    "photograph the floating picture larger, sharper and in a darker room",
+                    "photograph the floating picture larger, sharper and in a darker room, and let nothing move between the photographs",
                 ));
             }
         }

@@ -97,7 +97,38 @@ pub fn decode_folder(
             "expose so that white is just below full: a shorter time, or a smaller aperture",
         )
     })?;
+    agreement(&decoded).map_err(|problem| {
+        told(
+            problem,
+            "photograph the patterns of this scene's display again, sharp, with camera and display on something firm: a tripod and a remote release",
+        )
+    })?;
     Ok(decoded)
+}
+
+/// Stripes from which on the mean place within a stripe means something: what is seen of a first and a last one by chance is an eighth of a stripe then.
+const FEW_STRIPES: f64 = 4.0;
+
+/// How far from 0 the mean place within a stripe may be, in stripes.
+const MOST_LAG: f64 = 0.15;
+
+/// Refuses photographs that do not agree with one another.
+fn agreement(decoded: &Decoded) -> Result<(), String> {
+    let counts = decoded.counts();
+    let lit = counts.real + counts.unsure;
+    if counts.real < lit / 4 {
+        return Err(format!(
+            "of {lit} pixels that see the display only {} tell which point of it: the photographs are blurred, something moved between them, or the display showed other patterns",
+            counts.real
+        ));
+    }
+    match decoded.lag.iter().find(|lag| lag.abs() > MOST_LAG) {
+        Some(lag) => Err(format!(
+            "something moved between the photographs: stripes and sinusoids are {:.1} stripes apart",
+            lag.abs()
+        )),
+        None => Ok(()),
+    }
 }
 
 /// Refuses photographs of which much is at full scale.
@@ -186,13 +217,31 @@ pub fn decode(
             return (Seen::None, [f32::NAN; 2]);
         }
         match [axes[0].place(pixel, w, b), axes[1].place(pixel, w, b)] {
-            [Some(s), Some(t)] if !patterns.is_mixed([s, t].map(f64::from)) => (Seen::Real, [s, t]),
+            [Some([s, _]), Some([t, _])] if !patterns.is_mixed([s, t].map(f64::from)) => {
+                (Seen::Real, [s, t])
+            }
             _ => (Seen::Unsure, [f32::NAN; 2]),
         }
     };
-    let (seen, st) = (0..white.len()).into_par_iter().with_min_len(4096).map(one).unzip();
+    let (seen, st): (Vec<Seen>, Vec<[f32; 2]>) =
+        (0..white.len()).into_par_iter().with_min_len(4096).map(one).unzip();
+    let lag = axes.each_ref().map(|axis| {
+        let real = (0..white.len()).filter(|&pixel| seen[pixel] == Seen::Real);
+        // A hundredth of them tells the mean.
+        let lags = real.step_by(97).filter_map(|pixel| {
+            axis.place(pixel, f32::from(white[pixel]), f32::from(black[pixel]))
+        });
+        let (mut count, mut sum, mut range) = (0, 0.0, [f32::INFINITY, f32::NEG_INFINITY]);
+        for [place, lag] in lags {
+            (count, sum) = (count + 1, sum + f64::from(lag));
+            range = [range[0].min(place), range[1].max(place)];
+        }
+        // Of a few stripes only, which parts of them are seen is chance.
+        let stripes = f64::from(range[1] - range[0]) * axis.pixels / axis.cell;
+        if stripes >= FEW_STRIPES { sum / f64::from(count) } else { 0.0 }
+    });
     let (width, height) = (photographs[0].width, photographs[0].height);
-    Ok(Decoded { width, height, seen, st, notes })
+    Ok(Decoded { width, height, seen, st, lag, notes })
 }
 
 /// The least squares fit of a sinusoid to some of its steps: each step's cosine and sine, and its weights for the mean, the cosine and the sine.
@@ -249,8 +298,8 @@ struct Axis<'a> {
 }
 
 impl Axis<'_> {
-    /// The display coordinate that a pixel sees, 0 to 1; `None` where the codes do not agree.
-    fn place(&self, pixel: usize, white: f32, black: f32) -> Option<f32> {
+    /// The display coordinate that a pixel sees, 0 to 1, and how far it is from the middle of its stripe, in stripes; `None` where the codes do not agree.
+    fn place(&self, pixel: usize, white: f32, black: f32) -> Option<[f32; 2]> {
         let span = white - black;
         let (mut gray, mut unsure) = (0u32, 0);
         for (bit, pair) in self.bits.iter().enumerate() {
@@ -282,7 +331,8 @@ impl Axis<'_> {
         if (place - middle).abs() > most * self.cell {
             return None;
         }
+        let lag = (place - middle) / self.cell;
         let place = place / self.pixels;
-        (-0.01..=1.01).contains(&place).then_some(place as f32)
+        (-0.01..=1.01).contains(&place).then_some([place as f32, lag as f32])
     }
 }

@@ -29,6 +29,8 @@ pub struct Decoded {
     pub seen: Vec<Seen>,
     /// The display point that it sees, st; NaN where none.
     pub st: Vec<[f32; 2]>,
+    /// How far along either axis the sinusoids lie from the middle of the stripes that they agree with, on the average, in stripes: about 0 unless something moved.
+    pub lag: [f64; 2],
     /// What should be known of the photographs.
     pub notes: Vec<String>,
 }

@@ -146,7 +146,7 @@ impl Finding {
             }
             (used, root_of_mean(&squares))
         };
-        let told_views = views
+        let told_views: Vec<View> = views
             .iter()
             .enumerate()
             .map(|(view, points)| {
@@ -162,7 +162,8 @@ impl Finding {
                 }
             })
             .collect();
-        let (starts, notes) = starts(trials);
+        let (starts, mut notes) = starts(trials);
+        notes.extend(told_views.iter().filter_map(edges));
         let advice = advice(problem, &found, &curvature, &covariance)?;
         let undetermined =
             parameters.iter().filter(|parameter| !parameter.determined).map(in_words).collect();
@@ -192,6 +193,22 @@ impl Finding {
     pub fn parameter(&self, name: &str) -> Option<&Parameter> {
         self.parameters.iter().find(|parameter| parameter.name == name)
     }
+}
+
+/// The share of a view's points above which it is told that the scene forms nothing where they are seen.
+const MANY_LOST: f64 = 0.02;
+
+/// What is told of points that are seen where the fitted scene forms nothing.
+fn edges(view: &View) -> Option<String> {
+    let Used { used, rejected, lost } = view.object;
+    let share = lost as f64 / (used + rejected + lost).max(1) as f64;
+    (share > MANY_LOST).then(|| {
+        format!(
+            "view `{}`: {:.0} % of its points are seen where the fitted scene forms no image: the object's edges stand elsewhere, by some of what is not determined",
+            view.name,
+            100.0 * share
+        )
+    })
 }
 
 /// Root mean square of some squares; 0 of none.

@@ -34,7 +34,7 @@ pub fn order(patterns: &Patterns, photographs: &[Photograph]) -> Option<Order> {
     let count = patterns.numbers().count();
     let words = words(photographs, count);
     let Some(words) = words else {
-        let as_named = photographs.len() == count;
+        let as_named = photographs.len() == count && begins_with_white_and_black(photographs);
         return as_named.then(|| Order {
             of: (0..count).map(Some).collect(),
             doubles: Vec::new(),
@@ -52,6 +52,25 @@ pub fn order(patterns: &Patterns, photographs: &[Photograph]) -> Option<Order> {
         }
     }
     Some(order)
+}
+
+/// Whether the first photograph is the brightest of all and the second the darkest, nearly wherever anything changes: as they are in the patterns' own
+/// order, and by chance in one of a thousand others.
+fn begins_with_white_and_black(photographs: &[Photograph]) -> bool {
+    let stride = photographs[0].codes.len().div_ceil(LOOKED_AT);
+    let (mut lit, mut so) = (0, 0);
+    for place in (0..photographs[0].codes.len()).step_by(stride) {
+        let codes = || photographs.iter().map(|photograph| photograph.codes[place]);
+        let (low, high) = (codes().min().unwrap_or(0), codes().max().unwrap_or(0));
+        if high - low < 6000 {
+            continue;
+        }
+        lit += 1;
+        let near = (high - low) / 5;
+        let (white, black) = (photographs[0].codes[place], photographs[1].codes[place]);
+        so += usize::from(white >= high - near && black <= low + near);
+    }
+    10 * so >= 9 * lit && lit > 0
 }
 
 /// What each photograph's squares show, `None` where they are neither lit nor dark; `None` where not all squares are seen.
@@ -208,5 +227,8 @@ mod tests {
         let found = order(&patterns, &taken).expect("as many as there are patterns");
         assert!(found.as_named && found.of[5] == Some(5));
         assert_eq!(order(&patterns, &taken[1..]), None);
+        // Names that do not go by the patterns' order are not believed.
+        taken.rotate_left(1);
+        assert_eq!(order(&patterns, &taken), None);
     }
 }

@@ -148,6 +148,14 @@ pub(crate) fn parameters(
     for turned in &turned {
         parameters.extend(rotation(problem, covariance, turned));
     }
+    for parameter in &mut parameters {
+        // What rounding leaves of nothing is nothing, and not less.
+        for number in [&mut parameter.value, &mut parameter.start] {
+            if number.abs() < 1e-9 {
+                *number = 0.0;
+            }
+        }
+    }
     parameters.sort_by_key(|parameter| order(&parameter.name));
     parameters
 }

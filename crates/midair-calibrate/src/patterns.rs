@@ -73,11 +73,14 @@ impl Patterns {
         let finest = FINEST.max(1.2 * blur);
         let bits = resolution.map(|side| (side as f64 / finest).log2().floor().max(1.0) as u32);
         let mut list = vec![Pattern::White, Pattern::Black];
-        for axis in 0..2 {
-            for bit in (0..bits[axis]).rev() {
+        // Both axes by turns: where something moves between two photographs, neither axis agrees with itself.
+        for bit in (0..bits[0].max(bits[1])).rev() {
+            for axis in (0..2).filter(|&axis| bit < bits[axis]) {
                 list.extend([false, true].map(|inverse| Pattern::Gray { axis, bit, inverse }));
             }
-            list.extend((0..STEPS).map(|step| Pattern::Phase { axis, step }));
+        }
+        for step in 0..STEPS {
+            list.extend([0, 1].map(|axis| Pattern::Phase { axis, step }));
         }
         let shorter = resolution[0].min(resolution[1]);
         let square = (3.0 * blur).max(24.0).min(shorter as f64 / 12.0).max(1.0) as usize;

@@ -5,6 +5,7 @@ use crate::freedom::sizes;
 use midair::scene::model::{Element, Index, Material, Pose};
 use midair::scene::{Format, Loaded, SceneEdit, SceneError};
 use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
 
 /// A length or angle to a ten-thousandth: far below what any photograph tells.
 fn rounded(value: f64) -> f64 {
@@ -13,12 +14,18 @@ fn rounded(value: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value }
 }
 
-/// The text of the scene file that was assumed, with what was found written into it.
+/// The text of the scene file that was assumed, with what was found written into it. `rename` says how the files that it names are found from where it is
+/// to be saved.
 ///
 /// # Errors
 /// Where the text does not take a value.
-pub fn fitted_text(assumed: &Loaded, finding: &Finding) -> Result<String, SceneError> {
+pub fn fitted_text(
+    assumed: &Loaded,
+    finding: &Finding,
+    rename: &dyn Fn(&Path) -> PathBuf,
+) -> Result<String, SceneError> {
     let mut edit = SceneEdit::of(&assumed.text)?;
+    edit.rename_files(rename)?;
     let found = &finding.loaded.scene;
     for (i, (before, after)) in assumed.scene.elements.iter().zip(&found.elements).enumerate() {
         let key = |key: &str| format!("element.{i}.{key}");

@@ -168,3 +168,59 @@ fn over_exposed_photographs_and_missing_patterns_are_refused_by_name() {
     };
     assert!(empty.contains("no photographs"), "{empty}");
 }
+
+/// Photographs of the display itself, each pixel of it a pixel: as they are after something was done to them.
+fn of_display(
+    patterns: &Patterns,
+    folder: &Path,
+    done: &dyn Fn(usize, image::GrayImage) -> image::GrayImage,
+) {
+    for pattern in 0..patterns.list.len() {
+        let light = patterns.drawn(pattern);
+        let codes = light.iter().map(|l| (255.0 * 0.9 * (0.02 + l)).min(255.0) as u8).collect();
+        let [width, height] = patterns.resolution.map(|side| side as u32);
+        let picture = image::GrayImage::from_raw(width, height, codes).expect("all its pixels");
+        let path = folder.join(format!("{pattern:02}.png"));
+        done(pattern, picture).save(path).expect("it can be written");
+    }
+}
+
+/// What is told of them: the decoder's message, else what cameras and fit have to say.
+fn told_of(done: &dyn Fn(usize, image::GrayImage) -> image::GrayImage) -> String {
+    let patterns = Patterns::new([512, 384], 0.0);
+    let folder = tempfile::tempdir().expect("a folder");
+    of_display(&patterns, folder.path(), done);
+    let told = |error: midair::Error| format!("{error} | {}", error.remedy().unwrap_or_default());
+    match decode_folder(&patterns, folder.path(), &()) {
+        Err(error) => told(error),
+        Ok(decoded) => {
+            format!("decoded {:.3}", decoded.counts().real as f64 / decoded.seen.len() as f64)
+        }
+    }
+}
+
+#[test]
+fn blurred_and_moved_photographs_and_those_of_another_display_are_refused() {
+    let well = told_of(&|_, picture| picture);
+    let share: f64 = well.strip_prefix("decoded ").and_then(|s| s.parse().ok()).expect(&well);
+    assert!(share > 0.8, "{well}");
+    let blurred = told_of(&|_, picture| image::imageops::blur(&picture, 25.0));
+    assert!(blurred.contains("sharp"), "{blurred}");
+    // From one photograph on the camera stands elsewhere: among the finest stripes, among the sinusoids.
+    for from in [18, 29] {
+        let moved = told_of(&|pattern, picture| {
+            let mut moved = image::GrayImage::new(picture.width(), picture.height());
+            let by = if pattern < from { 0 } else { 24 };
+            image::imageops::replace(&mut moved, &picture, by, by / 2);
+            moved
+        });
+        assert!(moved.contains("tripod"), "{from}: {moved}");
+    }
+    let other = Patterns::new([1024, 768], 0.0);
+    let other = told_of(&|pattern, _| {
+        let light = other.drawn(pattern.min(other.list.len() - 1));
+        let codes = light.iter().map(|l| (200.0 * l) as u8).collect();
+        image::GrayImage::from_raw(1024, 768, codes).expect("all its pixels")
+    });
+    assert!(other.contains("display"), "{other}");
+}

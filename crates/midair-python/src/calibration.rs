@@ -126,7 +126,7 @@ pub fn fit<'py>(
     let finding =
         interruptible(py, |watch| midair_calibrate::fit(&assumed, &seen, &options, watch))?
             .map_err(|error| raised(py, error))?;
-    let text = scene_file::fitted_text(&assumed, &finding)
+    let text = scene_file::fitted_text(&assumed, &finding, &std::path::Path::to_path_buf)
         .map_err(|error: SceneError| raised(py, error))?;
     let fitted = Py::new(py, scene.get().of_text(py, &text)?)?;
     Ok(Calibration { scene: fitted, finding })

@@ -6,9 +6,9 @@ use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::summary::{Voice, paths};
 use midair::Monitor as _;
-use midair::files::{Output, write_bytes_atomically};
+use midair::files::{Output, renamed, write_bytes_atomically};
 use midair::map::{Accuracy, Map, invert};
-use midair::scene::{Format, InMemory, Loaded, load_text};
+use midair::scene::{Format, InMemory, Loaded, SceneEdit, load_text};
 use midair::transport::Setup;
 use midair_calibrate::bench::Bench;
 use midair_calibrate::rehearsal::film::Film;
@@ -17,7 +17,7 @@ use midair_calibrate::{
     Options, Patterns, SightedView, Sighting, Uncertainty, fit, survey, without_elements,
 };
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The paper's cube behind a plate of slit mirrors.
 const SCENE: &str = include_str!("../../../../../scenes/paper/cube.toml");
@@ -95,7 +95,9 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     told["scene"] = json!(assumed.scene.name);
     told["displacement_px_of_1024"] =
         json!({ "assumed": before, "fitted": fitted, "model_free": model_free });
-    write_finding(&mut output, &assumed, &finding, &told, &[])?;
+    let from = arguments.scene.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+    let rename = |name: &Path| renamed(name, from, &arguments.out);
+    write_finding(&mut output, &assumed, &finding, &told, &[], &rename)?;
     let files = output.finish()?;
     told["files"] = paths(&files);
     let line = |what: &str, d: &Displacement| {
@@ -124,8 +126,11 @@ fn assumed(arguments: &Arguments) -> Result<(Loaded, String, &'static str), Fail
     match &arguments.scene {
         Some(path) => {
             let loaded = open_scene(path, None)?;
-            let text = midair::scene::scene_file_text(path)?;
-            let json = Format::of_name(loaded.text.name()) == Format::Json;
+            let mut edit = SceneEdit::of(&loaded.text)?;
+            let from = path.parent().unwrap_or(Path::new(""));
+            edit.rename_files(&|name| renamed(name, from, &arguments.out))?;
+            let json = edit.format() == Format::Json;
+            let text = edit.text().to_owned();
             Ok((loaded, text, if json { "assumed.json" } else { "assumed.toml" }))
         }
         None => {

@@ -3,14 +3,14 @@
 use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::summary::{Voice, paths, wrote};
-use midair::files::{Output, write_bytes_atomically};
+use midair::files::{Output, renamed, write_bytes_atomically};
 use midair::scene::Loaded;
 use midair::transport::Setup;
 use midair_calibrate::{
     Bench, Finding, Options, SightedView, Sighting, fit, page, scene_file, survey,
 };
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Fit the scene to photographs: where each part really stands, how it is turned, its index
 ///
@@ -59,7 +59,9 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let mut notes = loaded.notes.clone();
     notes.extend(super::open::notes(&sighted));
     let mut told = told(&bench, &loaded, &finding, &sighted);
-    write_finding(&mut output, &loaded, &finding, &told, &notes)?;
+    let from = bench.scene.parent().unwrap_or(Path::new(""));
+    let rename = |name: &Path| renamed(name, from, &arguments.out);
+    write_finding(&mut output, &loaded, &finding, &told, &notes, &rename)?;
     let files = output.finish()?;
     told["files"] = paths(&files);
     voice.note(&notes);
@@ -67,15 +69,16 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     voice.tell(&format!("{}{}", lines(&finding), wrote(&files)), &told)
 }
 
-/// Writes the fitted scene, calibration.json and the page.
+/// Writes the fitted scene, calibration.json and the page. `rename` says how the files that the scene names are found from there.
 pub fn write_finding(
     output: &mut Output,
     loaded: &Loaded,
     finding: &Finding,
     told: &Value,
     notes: &[String],
+    rename: &dyn Fn(&Path) -> PathBuf,
 ) -> Result<(), Failure> {
-    let text = scene_file::fitted_text(loaded, finding)?;
+    let text = scene_file::fitted_text(loaded, finding, rename)?;
     let name = if loaded.text.name().ends_with(".json") { "scene.json" } else { "scene.toml" };
     output.write(name, |path| write_bytes_atomically(path, text.as_bytes()))?;
     let json = format!("{told:#}\n");
