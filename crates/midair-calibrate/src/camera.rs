@@ -112,7 +112,11 @@ impl Lens {
 
 /// The ray of a pixel: from the camera's place (its axes right, down and ahead) through its lens.
 pub fn pixel_ray<T: Real>(camera: &Placing<T>, lens: &Lens<T>, pixel: [f64; 2]) -> Ray<T> {
-    let [x, y] = lens.direction(pixel);
+    ray_along(camera, lens.direction(pixel))
+}
+
+/// The ray from the camera's place along a direction (x right, y down, at distance 1 ahead).
+pub fn ray_along<T: Real>(camera: &Placing<T>, [x, y]: [T; 2]) -> Ray<T> {
     let [right, down, ahead] = camera.axes;
     let direction = (right.scaled(x) + down.scaled(y) + ahead).normalized();
     Ray { origin: camera.origin, direction }

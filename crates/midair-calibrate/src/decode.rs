@@ -241,7 +241,36 @@ pub fn decode(
         if stripes >= FEW_STRIPES { sum / f64::from(count) } else { 0.0 }
     });
     let (width, height) = (photographs[0].width, photographs[0].height);
+    let stripe = [0, 1].map(|axis| (patterns.cell(axis) / axes[axis].pixels) as f32);
+    let seen = without_specks(&seen, &st, [width, height], stripe);
     Ok(Decoded { width, height, seen, st, lag, notes })
+}
+
+/// The same without pixels that fewer than three of their neighbours agree with to a stripe: where a pixel's neighbour sees another stripe, the pixel itself sees
+/// several, and what it was decoded to is chance.
+fn without_specks(
+    seen: &[Seen],
+    st: &[[f32; 2]],
+    [width, height]: [usize; 2],
+    stripe: [f32; 2],
+) -> Vec<Seen> {
+    let kept = |pixel: usize| {
+        if seen[pixel] != Seen::Real {
+            return seen[pixel];
+        }
+        let (x, y) = (pixel % width, pixel / width);
+        let agrees = |other: usize| {
+            other != pixel
+                && seen[other] == Seen::Real
+                && (0..2).all(|c| (st[other][c] - st[pixel][c]).abs() <= stripe[c])
+        };
+        let rows = y.saturating_sub(1)..(y + 2).min(height);
+        let around = rows.flat_map(|row| {
+            (x.saturating_sub(1)..(x + 2).min(width)).map(move |column| row * width + column)
+        });
+        if around.filter(|&other| agrees(other)).count() >= 3 { Seen::Real } else { Seen::Unsure }
+    };
+    (0..seen.len()).into_par_iter().with_min_len(4096).map(kept).collect()
 }
 
 /// The least squares fit of a sinusoid to some of its steps: each step's cosine and sine, and its weights for the mean, the cosine and the sine.

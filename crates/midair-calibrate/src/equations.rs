@@ -1,17 +1,20 @@
 //! What the photographs say of a guess: where each point's light comes from, how far that is from where it was seen to come from, and how
 //! that goes with each free number.
 
-use crate::camera::pixel_ray;
+use crate::camera::{pixel_ray, ray_along};
 use crate::correspondences::Correspondence;
 use crate::freedom::{Body, Free, Freedom};
 use crate::state::{Lifted, State, plain};
-use midair::geometry::Dual;
+use midair::geometry::{Dual, Real as _};
 use midair::transport::{Path, Setup, SetupError};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 /// Derivatives that are computed in one pass: a camera's six, and ten more.
 const AT_ONCE: usize = 16;
+
+/// Derivatives of points that tell of their camera's place only.
+const OF_A_CAMERA: usize = 6;
 
 /// Points that are one task.
 const TASK: usize = 256;
@@ -49,6 +52,17 @@ pub struct Paths {
 
 /// What is known of each point: how much it counts, 0 for one that does not.
 pub type Weights = Vec<Vec<f64>>;
+
+/// A shot with all that is known of it: the set-up, its points' paths and weights, and the free numbers that it tells something of.
+#[derive(Clone, Copy)]
+struct Told<'a> {
+    state: &'a State,
+    setup: &'a Setup,
+    shot: &'a Shot,
+    paths: &'a [Option<Path>],
+    weights: &'a [f64],
+    named: &'a [usize],
+}
 
 /// The equations of a step.
 #[derive(Clone, Debug)]
@@ -198,55 +212,12 @@ impl Problem {
         for ((shot, paths_of), weights) in self.shots.iter().zip(&paths.of).zip(weights) {
             let setup = if shot.with_object { &paths.with_object } else { &paths.empty };
             let named = self.concerning(shot);
-            let chunks: Vec<Lifted<Dual<AT_ONCE>>> = named
-                .chunks(AT_ONCE)
-                .map(|named| state.lifted(setup, shot.view, &self.free, &self.bodies, named))
-                .collect();
-            let resolution = setup.resolution.map(|r| r as f64);
-            let of_task = |first: usize| {
-                let mut sum = Equations::zero(named.len());
-                let mut rows = vec![[0.0; 2]; named.len()];
-                for i in first..(first + TASK).min(shot.points.len()) {
-                    let (Some(path), weight) = (&paths_of[i], weights[i]) else { continue };
-                    if weight == 0.0 {
-                        continue;
-                    }
-                    let point = &shot.points[i];
-                    let mut off = [f64::NAN; 2];
-                    let mut path = path.clone();
-                    for (part, lifted) in chunks.iter().enumerate() {
-                        let ray = pixel_ray(&lifted.camera, &lifted.lens, point.pixel);
-                        let st = setup.follow_moved(ray, &mut path, &lifted.parts);
-                        for c in 0..2 {
-                            let scale = resolution[c] / point.sigma;
-                            off[c] = (st[c].re - point.st[c]) * scale;
-                            for (k, row) in
-                                rows[part * AT_ONCE..].iter_mut().take(AT_ONCE).enumerate()
-                            {
-                                row[c] = st[c].d[k] * scale;
-                            }
-                        }
-                    }
-                    let is_finite = off.iter().chain(rows.as_flattened()).all(|x| x.is_finite());
-                    if !is_finite {
-                        sum.cost += weight * LOST * LOST;
-                        continue;
-                    }
-                    sum.cost += weight * (off[0] * off[0] + off[1] * off[1]);
-                    for (j, a) in rows.iter().enumerate() {
-                        sum.slope[j] += weight * (a[0] * off[0] + a[1] * off[1]);
-                        for (k, b) in rows[..=j].iter().enumerate() {
-                            sum.curvature[(k, j)] += weight * (a[0] * b[0] + a[1] * b[1]);
-                        }
-                    }
-                }
-                sum
+            let told = Told { state, setup, shot, paths: paths_of, weights, named: &named };
+            // Derivatives that nobody asks for take as long as the others.
+            let sum = match named.len() {
+                0..=OF_A_CAMERA => self.of_shot::<OF_A_CAMERA>(&told),
+                _ => self.of_shot::<AT_ONCE>(&told),
             };
-            let firsts: Vec<usize> = (0..shot.points.len()).step_by(TASK).collect();
-            // Tasks' sums are joined in their order: the same photographs give the same scene to the last digit.
-            let sums: Vec<Equations> = firsts.into_par_iter().map(of_task).collect();
-            let zero = Equations::zero(named.len());
-            let sum = sums.into_iter().fold(zero, Equations::plus);
             all.cost += sum.cost;
             for (j, &a) in named.iter().enumerate() {
                 all.slope[a] += sum.slope[j];
@@ -256,6 +227,63 @@ impl Problem {
             }
         }
         all
+    }
+
+    /// The equations of one shot's points, by `N` derivatives in a pass.
+    fn of_shot<const N: usize>(&self, told: &Told<'_>) -> Equations {
+        let Told { state, setup, shot, named, .. } = *told;
+        let chunks: Vec<Lifted<Dual<N>>> = named
+            .chunks(N)
+            .map(|named| state.lifted(setup, shot.view, &self.free, &self.bodies, named))
+            .collect();
+        let lens_is_free = named.iter().any(|&i| matches!(self.free[i].what, Freedom::Lens { .. }));
+        let resolution = setup.resolution.map(|r| r as f64);
+        let of_task = |first: usize| {
+            let mut sum = Equations::zero(named.len());
+            let mut rows = vec![[0.0; 2]; named.len()];
+            for i in first..(first + TASK).min(shot.points.len()) {
+                let (Some(path), weight) = (&told.paths[i], told.weights[i]) else { continue };
+                if weight == 0.0 {
+                    continue;
+                }
+                let point = &shot.points[i];
+                let mut off = [f64::NAN; 2];
+                let mut path = path.clone();
+                for (part, lifted) in chunks.iter().enumerate() {
+                    let ray = if lens_is_free {
+                        pixel_ray(&lifted.camera, &lifted.lens, point.pixel)
+                    } else {
+                        let direction = state.lens.direction(point.pixel);
+                        ray_along(&lifted.camera, direction.map(Dual::constant))
+                    };
+                    let st = setup.follow_moved(ray, &mut path, &lifted.parts);
+                    for c in 0..2 {
+                        let scale = resolution[c] / point.sigma;
+                        off[c] = (st[c].re - point.st[c]) * scale;
+                        for (k, row) in rows[part * N..].iter_mut().take(N).enumerate() {
+                            row[c] = st[c].d[k] * scale;
+                        }
+                    }
+                }
+                let is_finite = off.iter().chain(rows.as_flattened()).all(|x| x.is_finite());
+                if !is_finite {
+                    sum.cost += weight * LOST * LOST;
+                    continue;
+                }
+                sum.cost += weight * (off[0] * off[0] + off[1] * off[1]);
+                for (j, a) in rows.iter().enumerate() {
+                    sum.slope[j] += weight * (a[0] * off[0] + a[1] * off[1]);
+                    for (k, b) in rows[..=j].iter().enumerate() {
+                        sum.curvature[(k, j)] += weight * (a[0] * b[0] + a[1] * b[1]);
+                    }
+                }
+            }
+            sum
+        };
+        let firsts: Vec<usize> = (0..shot.points.len()).step_by(TASK).collect();
+        // Tasks' sums are joined in their order: the same photographs give the same scene to the last digit.
+        let sums: Vec<Equations> = firsts.into_par_iter().map(of_task).collect();
+        sums.into_iter().fold(Equations::zero(named.len()), Equations::plus)
     }
 
     /// The free numbers that a shot tells something of.

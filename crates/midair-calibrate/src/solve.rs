@@ -28,6 +28,9 @@ pub struct Descent {
 /// Scale of Cauchy's loss, in standard deviations: 95 % efficient where all errors are normal (Holland and Welsch 1977).
 const CAUCHY: f64 = 2.385;
 
+/// Weighted squares below which a step gains nothing: it changes no number by more than a thirtieth of its standard deviation.
+const LEAST_GAIN: f64 = 1e-3;
+
 /// The most searches. A descent that needs more goes to and fro between paths.
 const MOST_ROUNDS: usize = 40;
 
@@ -111,7 +114,7 @@ impl Problem {
                 lambda *= 8.0;
             }
             let Some((trial, step, gain)) = better else { break };
-            let small = gain <= 1e-7 * equations.cost;
+            let small = gain < LEAST_GAIN;
             went += step;
             state = trial;
             if small {

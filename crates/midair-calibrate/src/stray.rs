@@ -30,7 +30,7 @@ fn passed(setup: &Setup, ray: &Ray, odd: [bool; 2]) -> Option<[f64; 2]> {
     seen.then(|| setup.display.coordinates(behind.at(distance)))
 }
 
-/// Camera pixels along either side of a square for which one prediction serves.
+/// Camera pixels along either side of a square for which one prediction serves, where what they see is near it.
 const COARSE: usize = 8;
 
 /// A pixel that is nearer than this to what the real image would show there is real, as a share of the display: the object may stand some millimetres elsewhere.
@@ -43,26 +43,28 @@ struct Predicted {
     strays: [Option<[f64; 2]>; 3],
 }
 
-/// Marks the pixels that see the display by stray light: what they see is nearer to what one of the plate's stray images would show there than, by half, to
-/// what the real one would.
+/// Marks the pixels that see the display by stray light: what they see is nearer to what one of the plate's stray images would show there than to what the
+/// real one would: by half, or it is not sure.
 pub fn mark(decoded: &mut Decoded, setup: &Setup, camera: &Frame, lens: &Lens) {
     let placed = Placing::constant(camera);
     let (width, height) = (decoded.width, decoded.height);
     let columns = width.div_ceil(COARSE);
-    let predicted: Vec<Predicted> = (0..columns * height.div_ceil(COARSE))
+    let at = |pixel: [f64; 2]| {
+        let ray = pixel_ray(&placed, lens, pixel);
+        if !ray.direction.is_finite() {
+            return Predicted::default();
+        }
+        let mut path = Path::new();
+        let real = setup.trace(ray, &mut path).st();
+        let Some((left, _)) = at_plate(setup, ray, &path) else {
+            return Predicted { real, strays: [None; 3] };
+        };
+        Predicted { real, strays: STRAY.map(|odd| passed(setup, &left, odd)) }
+    };
+    let coarse: Vec<Option<[f64; 2]>> = (0..columns * height.div_ceil(COARSE))
         .into_par_iter()
         .map(|cell| {
-            let at = [cell % columns, cell / columns].map(|k| ((k * COARSE) + COARSE / 2) as f64);
-            let ray = pixel_ray(&placed, lens, at);
-            if !ray.direction.is_finite() {
-                return Predicted::default();
-            }
-            let mut path = Path::new();
-            let real = setup.trace(ray, &mut path).st();
-            let Some((left, _)) = at_plate(setup, ray, &path) else {
-                return Predicted { real, strays: [None; 3] };
-            };
-            Predicted { real, strays: STRAY.map(|odd| passed(setup, &left, odd)) }
+            at([cell % columns, cell / columns].map(|k| ((k * COARSE) + COARSE / 2) as f64)).real
         })
         .collect();
     let st = &decoded.st;
@@ -71,14 +73,19 @@ pub fn mark(decoded: &mut Decoded, setup: &Setup, camera: &Frame, lens: &Lens) {
             return;
         }
         let (x, y) = (pixel % width, pixel / width);
-        let Predicted { real, strays } = &predicted[(y / COARSE) * columns + x / COARSE];
         let off = |place: &Option<[f64; 2]>| match place {
             Some([s, t]) => (s - f64::from(st[pixel][0])).hypot(t - f64::from(st[pixel][1])),
             None => f64::INFINITY,
         };
-        let (real, stray) = (off(real), strays.iter().map(off).fold(f64::INFINITY, f64::min));
-        if real > NEAR && stray < 0.5 * real {
-            *seen = Seen::Stray;
+        if off(&coarse[(y / COARSE) * columns + x / COARSE]) <= NEAR {
+            return;
+        }
+        // A stray image may be seen at a slant, many of the display's pixels in one of the camera's.
+        let Predicted { real, strays } = at([x as f64 + 0.5, y as f64 + 0.5]);
+        let (real, stray) = (off(&real), strays.iter().map(off).fold(f64::INFINITY, f64::min));
+        if real > NEAR && stray < real {
+            // Between the two where both lie over one another.
+            *seen = if stray < 0.5 * real { Seen::Stray } else { Seen::Unsure };
         }
     });
 }
