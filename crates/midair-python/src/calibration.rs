@@ -10,7 +10,7 @@ use midair_calibrate::correspondences::USUAL_SIGMA;
 use midair_calibrate::{
     Correspondence, Finding, Lens, Options, Uncertainty, ViewPoints, scene_file,
 };
-use numpy::{PyArrayMethods as _, PyUntypedArrayMethods as _};
+use numpy::PyUntypedArrayMethods as _;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
