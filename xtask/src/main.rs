@@ -8,6 +8,7 @@
 //! cargo xtask blender                Blender's extension as a .zip, with midair's wheel in it
 //! cargo xtask pictures               remake the pictures of the README and the book
 //! cargo xtask reference              bring the book's tables of keys and commands up to date
+//! cargo xtask studio [--test]       the studio's page, and its tests in a browser
 //! cargo xtask wheel                  the Python package's wheel
 //! ```
 
@@ -23,6 +24,7 @@ mod process;
 mod python;
 mod reference;
 mod setup;
+mod studio;
 mod test;
 mod wasm;
 
@@ -54,6 +56,8 @@ enum Task {
     Pictures,
     /// Bring the book's tables of keys and commands up to date.
     Reference,
+    /// Build the studio's page into target/studio, and say what it weighs.
+    Studio(studio::Options),
     /// Build the Python package's wheel into target/wheels, and try it in a fresh environment.
     Wheel,
 }
@@ -73,6 +77,7 @@ fn main() -> ExitCode {
         Task::Blender(options) => blender::run(&options),
         Task::Pictures => pictures::run().map(|()| true),
         Task::Reference => reference::write().map(|()| true),
+        Task::Studio(options) => studio::run(&options),
         Task::Wheel => python::wheel().map(|()| true),
     };
     match outcome {

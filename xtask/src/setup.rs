@@ -1,6 +1,6 @@
 //! What tests need beyond Rust: ffmpeg, a Python environment with the peers that results are held to, and LPIPS' weights.
 
-use crate::{process, python, wasm};
+use crate::{process, python, studio, wasm};
 use anyhow::{Context, Result, bail};
 use midair_peers::Peer;
 use std::path::{Path, PathBuf};
@@ -30,6 +30,7 @@ pub fn install(optional: &[Peer]) -> Result<()> {
         }
     }
     wasm::install()?;
+    studio::install_browser()?;
     python::install()?;
     println!("what the tests need is in place");
     Ok(())

@@ -1,6 +1,6 @@
 //! `cargo xtask test`: everything that must hold before a change is merged.
 
-use crate::{blender, book, fuzz, process, python, setup, wasm};
+use crate::{blender, book, fuzz, process, python, setup, studio, wasm};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use midair_peers::Peer;
@@ -38,6 +38,8 @@ enum Step {
     Python,
     /// The library does the same in WebAssembly as here.
     Wasm,
+    /// The studio's page, in a browser.
+    Studio,
     /// Blender's extension, installed and used.
     Blender,
     /// What reads files is fuzzed for some tens of seconds; only where it is named.
@@ -163,6 +165,7 @@ impl Step {
             }
             Self::Python => python::test(),
             Self::Wasm => wasm::run(),
+            Self::Studio => studio::test(),
             Self::Blender => blender::test(optional),
             Self::Fuzz => fuzz::test(),
         }

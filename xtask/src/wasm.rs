@@ -32,10 +32,10 @@ pub fn install() -> Result<()> {
     })
 }
 
-/// Builds the package for WebAssembly and for this machine, both as the tests are built (optimised, with overflow checks); the latter runs the
-/// former under node and compares.
+/// Builds the package for WebAssembly, as the studio's page has its core, and for this machine, as the tests are built; the latter runs the former under
+/// node and compares.
 pub fn run() -> Tally {
-    let module = match build() {
+    let module = match build(PACKAGE) {
         Ok(module) => module,
         Err(error) => return Tally::of(Err(error)),
     };
@@ -63,10 +63,13 @@ pub fn run() -> Tally {
     tally
 }
 
-/// Builds the module; where it lies.
-fn build() -> Result<PathBuf> {
-    let mut command = process::cargo(&["build", "--quiet", "--lib"]);
-    command.args(["--package", PACKAGE, "--target", TARGET]);
+/// What is built for WebAssembly is built one way: the standard library and all dependencies serve every package.
+const PROFILE: &str = "studio";
+
+/// Builds a package's module; where it lies.
+pub fn build(package: &str) -> Result<PathBuf> {
+    let mut command = process::cargo(&["build", "--quiet", "--lib", "--profile", PROFILE]);
+    command.args(["--package", package, "--target", TARGET]);
     let folder = crate::root().join("target/wasm-build");
     command.arg("--target-dir").arg(&folder);
     if !has_target() {
@@ -81,7 +84,8 @@ fn build() -> Result<PathBuf> {
         command.env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER", linker()?);
     }
     process::run(&mut command)?;
-    Ok(folder.join(TARGET).join("debug").join(format!("{}.wasm", PACKAGE.replace('-', "_"))))
+    let file = format!("{}.wasm", package.replace('-', "_"));
+    Ok(folder.join(TARGET).join(PROFILE).join(file))
 }
 
 /// Whether the toolchain in use has the target's standard library.

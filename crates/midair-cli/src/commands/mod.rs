@@ -20,6 +20,7 @@ mod plate;
 mod play;
 mod report;
 mod schema;
+mod studio;
 mod tolerance;
 mod view;
 mod weights;
@@ -71,6 +72,7 @@ enum Command {
     Measure(measure::Arguments),
     Evaluate(evaluate::Arguments),
     Weights(weights::Arguments),
+    Studio(studio::Arguments),
     Schema(schema::Arguments),
     Completions(completions::Arguments),
     Man(man::Arguments),
@@ -101,6 +103,7 @@ pub fn run(program: Program) -> Result<ExitCode, Failure> {
         Command::Measure(arguments) => measure::run(&arguments, voice),
         Command::Evaluate(arguments) => evaluate::run(&arguments, voice),
         Command::Weights(arguments) => weights::run(&arguments, voice),
+        Command::Studio(arguments) => studio::run(&arguments, voice),
         Command::Schema(arguments) => schema::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
         Command::Man(arguments) => man::run(&arguments, voice),

@@ -17,6 +17,7 @@ mod plate;
 mod play;
 mod proof;
 mod set_ups;
+mod studio;
 mod view;
 mod viewpoints;
 

@@ -176,19 +176,30 @@ fn gain_picture(gain: &Gain) -> Picture {
 
 /// The white field before and after, each over its brightest, stretched alike; black where nothing is seen.
 fn fields([plain, even]: &[Picture; 2]) -> [Picture; 2] {
-    let range = |view: &Picture| {
-        let lit = view.pixels.iter().filter(|pixel| pixel[3] > 0.0).flat_map(|pixel| &pixel[..3]);
-        lit.fold([f32::INFINITY, 0.0], |[least, most], &v| [v.min(least), v.max(most)])
-    };
     let [least, most] = range(plain);
     let least = if least.is_finite() { least / most } else { 0.0 };
-    [plain, even].map(|view| {
-        let brightest = range(view)[1].max(f32::MIN_POSITIVE);
-        let tone = Tone::of([least * brightest, brightest]);
-        let pixel = |&[r, g, b, a]: &[f32; 4]| tone.pixel((a > 0.0).then_some([r, g, b]));
-        let pixels = view.pixels.iter().map(pixel).collect();
-        Picture { width: view.width, height: view.height, pixels }
-    })
+    [plain, even].map(|view| toned(view, least))
+}
+
+/// A view of a white field over its brightest, stretched so that its least and its largest light differ; black where nothing is seen.
+pub fn field_picture(view: &Picture) -> Picture {
+    let [least, most] = range(view);
+    toned(view, if least.is_finite() { least / most } else { 0.0 })
+}
+
+/// The least and the largest light where something is seen.
+fn range(view: &Picture) -> [f32; 2] {
+    let lit = view.pixels.iter().filter(|pixel| pixel[3] > 0.0).flat_map(|pixel| &pixel[..3]);
+    lit.fold([f32::INFINITY, 0.0], |[least, most], &v| [v.min(least), v.max(most)])
+}
+
+/// A view from this share of its brightest light, dark grey, to the brightest, white.
+fn toned(view: &Picture, least: f32) -> Picture {
+    let brightest = range(view)[1].max(f32::MIN_POSITIVE);
+    let tone = Tone::of([least * brightest, brightest]);
+    let pixel = |&[r, g, b, a]: &[f32; 4]| tone.pixel((a > 0.0).then_some([r, g, b]));
+    let pixels = view.pixels.iter().map(pixel).collect();
+    Picture { width: view.width, height: view.height, pixels }
 }
 
 /// How small differences of brightness are shown: from a dark grey to white, the brightest; what is even is white.

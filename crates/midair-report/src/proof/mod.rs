@@ -3,7 +3,7 @@
 mod colour;
 mod page;
 
-pub use colour::pictures as colour_pictures;
+pub use colour::{field_picture, pictures as colour_pictures};
 
 use crate::{counts_line, percent};
 use midair::evaluate::colour::Colour;

@@ -1,15 +1,19 @@
 //! A pair of 16-bit PGM files for ffmpeg's remap filter.
 
 use super::exr_channels::check_size;
-use super::{Fetch, FileError, LoadedMap, answer, pair};
-use crate::files::write_bytes_atomically;
+use super::{Fetch, FileError, LoadedMap, Put, answer, pair};
 use crate::map::{Map, Status};
 use std::path::{Path, PathBuf};
 
 /// A value past any source: the filter shows its fill colour there.
 const NONE: u16 = u16::MAX;
 
-pub(super) fn write(map: &Map, source: [usize; 2], path: &Path) -> Result<Vec<PathBuf>, FileError> {
+pub(super) fn write(
+    map: &Map,
+    source: [usize; 2],
+    path: &Path,
+    put: &mut Put<'_>,
+) -> Result<Vec<PathBuf>, FileError> {
     if source.iter().any(|&size| size >= usize::from(NONE)) {
         let problem = format!("{} x {} source pixels do not fit 16 bits", source[0], source[1]);
         return Err(FileError::unsupported(path, problem, "write exr or opencv instead"));
@@ -21,7 +25,7 @@ pub(super) fn write(map: &Map, source: [usize; 2], path: &Path) -> Result<Vec<Pa
             let value = answer(uv).map_or(NONE, |uv| nearest(uv, axis, source[axis]));
             bytes.extend(value.to_be_bytes());
         }
-        write_bytes_atomically(file, &bytes)?;
+        put(file, &bytes)?;
     }
     Ok(files.to_vec())
 }

@@ -30,6 +30,7 @@ pub use kind::{Format, UnknownFormat};
 pub(crate) use png::{CUT, ImageBytes, encode_png};
 
 use super::{Gain, Map, Status};
+use crate::files::write_bytes_atomically;
 use std::path::{Path, PathBuf};
 
 /// A map from a file.
@@ -57,6 +58,9 @@ pub struct Written {
     /// What the user should know of the map in this format, one sentence each; the file is not named.
     pub notes: Vec<String>,
 }
+
+/// Takes the bytes of a file of this name.
+pub type Put<'a> = dyn FnMut(&Path, &[u8]) -> Result<(), FileError> + 'a;
 
 /// Writes a map. `source` is the width and height in pixels of what the map leads into; the formats of
 /// absolute pixels need it. Formats of two files derive their names from `path`, see [`Format`].
@@ -86,6 +90,37 @@ pub fn write_map_and_gain(
     format: Format,
     path: &Path,
 ) -> Result<Written, FileError> {
+    put_map(map, gain, source, format, path, &mut write_bytes_atomically)
+}
+
+/// As [`write_map_and_gain`], with each file's name and bytes handed to `put`: for what has no disk.
+///
+/// ```
+/// use midair::map::{Map, format};
+///
+/// # fn main() -> Result<(), midair::Error> {
+/// let mut files = Vec::new();
+/// let mut put = |name: &std::path::Path, bytes: &[u8]| {
+///     files.push((name.to_owned(), bytes.to_owned()));
+///     Ok(())
+/// };
+/// let map = Map::identity(4, 3);
+/// format::put_map(&map, None, [4, 3], format::Format::Npy, "map.npy".as_ref(), &mut put)?;
+/// assert_eq!(files[1].0.to_str(), Some("status.npy"));
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Errors
+/// [`FileError`] where the map or source does not fit the format, and whatever `put` refuses.
+pub fn put_map(
+    map: &Map,
+    gain: Option<&Gain>,
+    source: [usize; 2],
+    format: Format,
+    path: &Path,
+    put: &mut Put<'_>,
+) -> Result<Written, FileError> {
     if gain.is_some_and(|gain| gain.rgb.len() != map.uv.len()) {
         let problem = "its gain is of another size than the map";
         return Err(FileError::unsupported(path, problem, "work the gain out anew"));
@@ -101,19 +136,19 @@ pub fn write_map_and_gain(
     }
     let mut written = Written { files: vec![path.to_owned()], notes: Vec::new() };
     match format {
-        Format::Exr => stmap::write(map, gain, path, false)?,
+        Format::Exr => stmap::write(map, gain, path, false, put)?,
         Format::ExrHalf => {
-            stmap::write(map, gain, path, true)?;
+            stmap::write(map, gain, path, true, put)?;
             let step = source[0].max(source[1]) as f64 / 2048.0;
             written.notes.push(format!(
                 "half floats place image points in steps of up to {step:.2} source pixels; \
                  prefer 32-bit floats (exr)"
             ));
         }
-        Format::Blender => stmap::write_blender(map, path)?,
-        Format::TouchDesigner => stmap::write_touchdesigner(map, path)?,
+        Format::Blender => stmap::write_blender(map, path, put)?,
+        Format::TouchDesigner => stmap::write_touchdesigner(map, path, put)?,
         Format::Png16 | Format::TouchDesignerPng => {
-            png::write_map_png(map, path)?;
+            png::write_map_png(map, path, put)?;
             let step = source[0].max(source[1]) as f64 / 65535.0;
             if step > 1.0 / 16.0 {
                 written.notes.push(format!(
@@ -121,19 +156,19 @@ pub fn write_map_and_gain(
                 ));
             }
         }
-        Format::Npy => written.files = npy::write(map, path)?,
+        Format::Npy => written.files = npy::write(map, path, put)?,
         Format::Ffmpeg => {
-            written.files = ffmpeg::write(map, source, path)?;
+            written.files = ffmpeg::write(map, source, path, put)?;
             written.notes.push("ffmpeg's remap takes the nearest source pixel only".to_owned());
         }
-        Format::OpenCv => written.files = opencv::write_npy(map, source, path)?,
-        Format::OpenCvYaml => opencv::write_yaml(map, source, path)?,
-        Format::Mpcdi => mpcdi::write(map, source, path)?,
+        Format::OpenCv => written.files = opencv::write_npy(map, source, path, put)?,
+        Format::OpenCvYaml => opencv::write_yaml(map, source, path, put)?,
+        Format::Mpcdi => mpcdi::write(map, source, path, put)?,
     }
     // Always, so that none of an earlier map stays there.
     if matches!(format, Format::Ffmpeg | Format::OpenCv) {
         let file = pair::coverage(path);
-        png::write_coverage(map, &file)?;
+        png::write_coverage(map, &file, put)?;
         written.files.push(file);
     }
     Ok(written)

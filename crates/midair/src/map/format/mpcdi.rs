@@ -2,8 +2,7 @@
 
 use super::exr_channels::{MAX_PIXELS, check_size};
 use super::png::{coverage, decode_samples, encode_png};
-use super::{FileError, LoadedMap, answer};
-use crate::files::write_bytes_atomically;
+use super::{FileError, LoadedMap, Put, answer};
 use crate::map::{Map, Status};
 use image::ExtendedColorType;
 use std::io::{self, Cursor, Read, Write};
@@ -13,7 +12,12 @@ use zip::{ZipArchive, ZipWriter};
 
 const DESCRIPTION: &str = "mpcdi.xml";
 
-pub(super) fn write(map: &Map, source: [usize; 2], path: &Path) -> Result<(), FileError> {
+pub(super) fn write(
+    map: &Map,
+    source: [usize; 2],
+    path: &Path,
+    put: &mut Put<'_>,
+) -> Result<(), FileError> {
     let mut alpha = Vec::new();
     let cover = coverage(map);
     encode_png(&mut alpha, path, (map.width, map.height), &cover, ExtendedColorType::L8)?;
@@ -39,7 +43,7 @@ pub(super) fn write(map: &Map, source: [usize; 2], path: &Path) -> Result<(), Fi
         Ok(archive.finish()?.into_inner())
     };
     let packed = fill().map_err(|error| FileError::io(path, "write", error))?;
-    write_bytes_atomically(path, &packed)
+    put(path, &packed)
 }
 
 fn describe(map: &Map, source: [usize; 2]) -> String {

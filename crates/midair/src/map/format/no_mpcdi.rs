@@ -1,10 +1,10 @@
 //! In the place of MPCDI files where the library was built without them.
 
-use super::{FileError, LoadedMap};
+use super::{FileError, LoadedMap, Put};
 use crate::map::Map;
 use std::path::Path;
 
-pub(super) fn write(_: &Map, _: [usize; 2], path: &Path) -> Result<(), FileError> {
+pub(super) fn write(_: &Map, _: [usize; 2], path: &Path, _: &mut Put<'_>) -> Result<(), FileError> {
     Err(absent(path))
 }
 

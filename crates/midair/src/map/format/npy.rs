@@ -1,37 +1,37 @@
 //! NumPy arrays: midair's own `npy` format, and the arrays of others.
 
 use super::exr_channels::check_size;
-use super::{Fetch, FileError, LoadedMap, answer, fetched, pair};
-use crate::files::write_atomically;
+use super::{Fetch, FileError, LoadedMap, Put, answer, fetched, pair};
 use crate::map::{Map, Status};
 use npyz::WriterBuilder;
 use std::io;
 use std::path::{Path, PathBuf};
 
-pub(super) fn write(map: &Map, path: &Path) -> Result<Vec<PathBuf>, FileError> {
+pub(super) fn write(map: &Map, path: &Path, put: &mut Put<'_>) -> Result<Vec<PathBuf>, FileError> {
     let (height, width) = (map.height as u64, map.width as u64);
     let uv = map.uv.iter().flat_map(|&uv| answer(uv).unwrap_or([f64::NAN; 2]));
-    write_array(path, &[height, width, 2], uv)?;
+    put(path, &encode_array(path, &[height, width, 2], uv)?)?;
     let status = pair::status(path);
-    write_array(&status, &[height, width], map.status.iter().map(|&status| status as u8))?;
+    let codes = map.status.iter().map(|&status| status as u8);
+    put(&status, &encode_array(&status, &[height, width], codes)?)?;
     Ok(vec![path.to_owned(), status])
 }
 
-/// Writes an array in C order.
-pub(super) fn write_array<T: npyz::AutoSerialize>(
+/// An array in C order as a file; `path` is named in errors.
+pub(super) fn encode_array<T: npyz::AutoSerialize>(
     path: &Path,
     shape: &[u64],
     values: impl Iterator<Item = T>,
-) -> Result<(), FileError> {
-    write_atomically(path, |file| {
-        let write = || -> io::Result<()> {
-            let options = npyz::WriteOptions::new().default_dtype().shape(shape);
-            let mut writer = options.writer(file).begin_nd()?;
-            writer.extend(values)?;
-            writer.finish()
-        };
-        write().map_err(|error| FileError::io(path, "write", error))
-    })
+) -> Result<Vec<u8>, FileError> {
+    let mut bytes = Vec::new();
+    let write = || -> io::Result<()> {
+        let options = npyz::WriteOptions::new().default_dtype().shape(shape);
+        let mut writer = options.writer(&mut bytes).begin_nd()?;
+        writer.extend(values)?;
+        writer.finish()
+    };
+    write().map_err(|error| FileError::io(path, "write", error))?;
+    Ok(bytes)
 }
 
 /// An array in C order, its numbers as they are whatever their type.

@@ -2,8 +2,7 @@
 
 use super::png::{coverage, uncover};
 use super::storage::Matrix;
-use super::{Fetch, FileError, LoadedMap, answer, npy, pair, storage};
-use crate::files::write_bytes_atomically;
+use super::{Fetch, FileError, LoadedMap, Put, answer, npy, pair, storage};
 use crate::map::{Map, Status};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -22,16 +21,22 @@ pub(super) fn write_npy(
     map: &Map,
     source: [usize; 2],
     path: &Path,
+    put: &mut Put<'_>,
 ) -> Result<Vec<PathBuf>, FileError> {
     let files = pair::x_and_y(path);
     for (axis, file) in files.iter().enumerate() {
         let shape = [map.height as u64, map.width as u64];
-        npy::write_array(file, &shape, coordinates(map, axis, source[axis]))?;
+        put(file, &npy::encode_array(file, &shape, coordinates(map, axis, source[axis]))?)?;
     }
     Ok(files.to_vec())
 }
 
-pub(super) fn write_yaml(map: &Map, source: [usize; 2], path: &Path) -> Result<(), FileError> {
+pub(super) fn write_yaml(
+    map: &Map,
+    source: [usize; 2],
+    path: &Path,
+    put: &mut Put<'_>,
+) -> Result<(), FileError> {
     let mut text = String::from("%YAML:1.0\n---\n");
     // Writing to a string cannot fail.
     let _ = writeln!(text, "source_width: {}\nsource_height: {}", source[0], source[1]);
@@ -61,7 +66,7 @@ pub(super) fn write_yaml(map: &Map, source: [usize; 2], path: &Path) -> Result<(
         let _ = write!(text, "{gap}{cover}");
     }
     text.push_str(" ]\n");
-    write_bytes_atomically(path, text.as_bytes())
+    put(path, text.as_bytes())
 }
 
 /// What stands before a matrix's number, of so many in a line.

@@ -1,8 +1,7 @@
 //! Maps in 16-bit PNG, and PNG files of samples.
 
 use super::exr_channels::{MAX_PIXELS, check_size};
-use super::{FileError, LoadedMap, answer};
-use crate::files::write_atomically;
+use super::{FileError, LoadedMap, Put, answer};
 use crate::map::{Map, Status};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::metadata::Orientation;
@@ -122,18 +121,21 @@ pub(crate) fn encode_png(
         })
 }
 
-/// Writes samples in the machine's byte order as a PNG file.
-fn write_png(
+/// Puts samples in the machine's byte order into a PNG file.
+fn put_png(
     path: &Path,
     size: (usize, usize),
-    bytes: &[u8],
+    samples: &[u8],
     colour: ExtendedColorType,
+    put: &mut Put<'_>,
 ) -> Result<(), FileError> {
-    write_atomically(path, |writer| encode_png(writer, path, size, bytes, colour))
+    let mut bytes = Vec::new();
+    encode_png(&mut bytes, path, size, samples, colour)?;
+    put(path, &bytes)
 }
 
 /// R = u, G = v, B = 0, alpha = whether the pixel has an answer; 65535 is 1.
-pub(super) fn write_map_png(map: &Map, path: &Path) -> Result<(), FileError> {
+pub(super) fn write_map_png(map: &Map, path: &Path, put: &mut Put<'_>) -> Result<(), FileError> {
     let mut samples = Vec::with_capacity(map.uv.len() * 8);
     for (uv, status) in map.uv.iter().zip(&map.status) {
         let code = |x: f64| (x.clamp(0.0, 1.0) * 65535.0).round() as u16;
@@ -141,12 +143,12 @@ pub(super) fn write_map_png(map: &Map, path: &Path) -> Result<(), FileError> {
         let alpha = if status.is_answered() { 65535u16 } else { 0 };
         samples.extend([u, v, 0, alpha].map(u16::to_ne_bytes).as_flattened());
     }
-    write_png(path, (map.width, map.height), &samples, ExtendedColorType::Rgba16)
+    put_png(path, (map.width, map.height), &samples, ExtendedColorType::Rgba16, put)
 }
 
 /// 255 where a pixel has an answer of its own, else 0.
-pub(super) fn write_coverage(map: &Map, path: &Path) -> Result<(), FileError> {
-    write_png(path, (map.width, map.height), &coverage(map), ExtendedColorType::L8)
+pub(super) fn write_coverage(map: &Map, path: &Path, put: &mut Put<'_>) -> Result<(), FileError> {
+    put_png(path, (map.width, map.height), &coverage(map), ExtendedColorType::L8, put)
 }
 
 /// Takes the answers of pixels that a mask leaves out for a continuation.

@@ -2,7 +2,7 @@
 
 use super::exr_channels::ExrFile;
 use super::exr_layers::read_map_channels;
-use super::{FileError, LoadedMap, SampleKind, answer, write_channels};
+use super::{FileError, LoadedMap, Put, SampleKind, answer, encode_channels};
 use crate::map::{Gain, Map, Status};
 use std::path::Path;
 
@@ -23,6 +23,7 @@ pub(super) fn write(
     gain: Option<&Gain>,
     path: &Path,
     half: bool,
+    put: &mut Put<'_>,
 ) -> Result<(), FileError> {
     let uv = |axis: usize| {
         map.uv.iter().map(|&uv| answer(uv).map_or(f32::NAN, |uv| uv[axis] as f32)).collect()
@@ -34,7 +35,7 @@ pub(super) fn write(
         let of = |c: usize| gain.rgb.iter().map(|rgb| rgb[c]).collect();
         channels.extend(GAIN.iter().enumerate().map(|(c, &name)| (name, of(c))));
     }
-    write_channels(path, map.width, map.height, channels, half)
+    put(path, &encode_channels(path, map.width, map.height, channels, half)?)
 }
 
 /// u and v, 0 where there is none: these tools multiply by the mask, and NaN would survive that.
@@ -46,16 +47,20 @@ fn cover(map: &Map) -> Vec<f32> {
     map.status.iter().map(|&status| f32::from(status.is_answered())).collect()
 }
 
-pub(super) fn write_blender(map: &Map, path: &Path) -> Result<(), FileError> {
+pub(super) fn write_blender(map: &Map, path: &Path, put: &mut Put<'_>) -> Result<(), FileError> {
     let channels = vec![("R", masked(map, 0)), ("G", masked(map, 1)), ("B", cover(map))];
-    write_channels(path, map.width, map.height, channels, false)
+    put(path, &encode_channels(path, map.width, map.height, channels, false)?)
 }
 
-pub(super) fn write_touchdesigner(map: &Map, path: &Path) -> Result<(), FileError> {
+pub(super) fn write_touchdesigner(
+    map: &Map,
+    path: &Path,
+    put: &mut Put<'_>,
+) -> Result<(), FileError> {
     let blue = vec![0.0; map.uv.len()];
     let channels =
         vec![("R", masked(map, 0)), ("G", masked(map, 1)), ("B", blue), ("A", cover(map))];
-    write_channels(path, map.width, map.height, channels, false)
+    put(path, &encode_channels(path, map.width, map.height, channels, false)?)
 }
 
 pub(super) fn read(path: &Path, bytes: &[u8], cover: Cover) -> Result<LoadedMap, FileError> {

@@ -205,9 +205,14 @@ fn what_is_wrong_is_said_with_file_place_and_remedy() {
     image::RgbImage::new(4, 4).save(at("eight.png")).unwrap();
     check(read_map(&at("eight.png"), None, None), &["eight.png", "16 bits"]);
     write_map(&map, SOURCE, Format::Npy, &at("map.npy")).unwrap();
-    npy::write_array(&at("status.npy"), &[8, 8], std::iter::repeat_n(9u8, 64)).unwrap();
+    let put_status = |shape: &[u64], code: u8| {
+        let path = at("status.npy");
+        let bytes = npy::encode_array(&path, shape, std::iter::repeat_n(code, 64)).unwrap();
+        std::fs::write(path, bytes).unwrap();
+    };
+    put_status(&[8, 8], 9);
     check(read_map(&at("map.npy"), None, None), &["status.npy", "column 0, row 0", "9"]);
-    npy::write_array(&at("status.npy"), &[4, 16], std::iter::repeat_n(0u8, 64)).unwrap();
+    put_status(&[4, 16], 0);
     check(read_map(&at("map.npy"), None, None), &["status.npy", "one map"]);
     let header = b"\x93NUMPY\x01\0\x76\0{'descr': '<f8', 'fortran_order': False, 'shape': (9999, 9999, 2), }";
     let mut huge = header.to_vec();

@@ -1,5 +1,6 @@
 //! Writing values back into a scene file: its comments, the order of its keys and their layout stay as they are.
 
+mod elements;
 mod json;
 mod path;
 mod toml;

@@ -63,9 +63,9 @@ fn scene_files_that_cannot_be_read_are_named() {
 }
 
 /// Writes a picture and loads the good scene with a height-field of it.
-fn with_heights(picture: &image::DynamicImage, name: &str) -> Result<Loaded, SceneError> {
+fn with_heights(write: impl Fn(&Path), name: &str) -> Result<Loaded, SceneError> {
     let folder = tempfile::tempdir().unwrap();
-    picture.save(folder.path().join(name)).unwrap();
+    write(&folder.path().join(name));
     let shape = format!("kind = \"height-field\", file = '{name}', size = [9, 9], amplitude = 2");
     let text = with("kind = \"sphere\", radius = 25.0", &shape);
     let path = folder.path().join("scene.toml");
@@ -78,7 +78,13 @@ fn heights_are_read_from_pictures() {
     use image::{DynamicImage, ImageBuffer, Luma, Rgb};
     let eight = ImageBuffer::from_fn(3, 2, |x, y| Luma([(100 * y + 50 * x) as u8]));
     let sixteen = ImageBuffer::from_fn(3, 2, |x, y| Luma([(10_000 * y + 1_000 * x) as u16]));
-    let float = ImageBuffer::from_fn(3, 2, |x, y| Rgb([y as f32 * 2.0 - x as f32 * 0.25; 3]));
+    let height = |x: usize, y: usize| y as f32 * 2.0 - x as f32 * 0.25;
+    let of_codes =
+        |picture: DynamicImage| with_heights(|path| picture.save(path).unwrap(), "a.png");
+    let of_floats = |height: &(dyn Fn(usize, usize) -> f32 + Sync)| {
+        let grey = |x, y| (height(x, y), height(x, y), height(x, y));
+        with_heights(|path| exr::prelude::write_rgb_file(path, 3, 2, grey).unwrap(), "a.exr")
+    };
     let expected = |f: &dyn Fn(f64, f64) -> f64| {
         (0..2)
             .map(|y| (0..3).map(|x| f(f64::from(x), f64::from(y))).collect::<Vec<f64>>())
@@ -88,21 +94,20 @@ fn heights_are_read_from_pictures() {
         Asset::Heights(heights) => heights.rows().to_vec(),
         other => panic!("{other:?}"),
     };
-    let read = with_heights(&DynamicImage::ImageLuma8(eight), "a.png").unwrap();
+    let read = of_codes(DynamicImage::ImageLuma8(eight)).unwrap();
     assert_eq!(rows(read), expected(&|x, y| (100.0 * y + 50.0 * x) / 255.0));
-    let read = with_heights(&DynamicImage::ImageLuma16(sixteen), "a.png").unwrap();
+    let read = of_codes(DynamicImage::ImageLuma16(sixteen)).unwrap();
     assert_eq!(rows(read), expected(&|x, y| (1e4 * y + 1e3 * x) / 65535.0));
-    let read = with_heights(&DynamicImage::ImageRgb32F(float.clone()), "a.exr").unwrap();
+    let read = of_floats(&height).unwrap();
     assert_eq!(rows(read), expected(&|x, y| y * 2.0 - x * 0.25));
 
     let colour = ImageBuffer::from_fn(2, 2, |x, _| Rgb([x as u8, 0, 0]));
-    let error = with_heights(&DynamicImage::ImageRgb8(colour), "a.png").unwrap_err();
+    let error = of_codes(DynamicImage::ImageRgb8(colour)).unwrap_err();
     assert!(error.message.contains("a.png") && error.message.contains("not grey"), "{error}");
-    let mut hole = float;
-    hole.put_pixel(2, 1, Rgb([f32::NAN; 3]));
-    let error = with_heights(&DynamicImage::ImageRgb32F(hole), "a.exr").unwrap_err();
+    let hole = |x, y| if (x, y) == (2, 1) { f32::NAN } else { height(x, y) };
+    let error = of_floats(&hole).unwrap_err();
     assert!(error.message.contains("pixel [2, 1]"), "{error}");
     let thin = ImageBuffer::from_pixel(5, 1, Luma([7u8]));
-    let error = with_heights(&DynamicImage::ImageLuma8(thin), "a.png").unwrap_err();
+    let error = of_codes(DynamicImage::ImageLuma8(thin)).unwrap_err();
     assert!(error.message.contains("5 x 1"), "{error}");
 }
