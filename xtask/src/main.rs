@@ -46,7 +46,7 @@ enum Task {
     Test(test::Options),
     /// Print the table of times and memory, as Markdown.
     Bench(bench::Options),
-    /// Judge the maps of random set-ups by brute force.
+    /// Judge the maps of random set-ups by brute force, or the calibration of random benches.
     Campaign(campaign::Options),
     /// Run what reads people's files under a fuzzer that follows coverage.
     Fuzz(fuzz::Options),

@@ -4,6 +4,7 @@
 //! not, as in Blender's extensions: the module itself is imported without numpy.
 
 mod arrays;
+mod calibration;
 mod check;
 mod error;
 mod evaluation;
@@ -21,6 +22,8 @@ mod view;
 mod _core {
     use pyo3::prelude::*;
 
+    #[pymodule_export]
+    use crate::calibration::{Calibration, fit};
     #[pymodule_export]
     use crate::check::{Check, Finding};
     #[pymodule_export]

@@ -88,6 +88,18 @@ impl Scene {
     fn with(state: State, files: Arc<Files>) -> Self {
         Self { state: RwLock::new(Arc::new(state)), files }
     }
+
+    /// As it stands, with its files.
+    pub(crate) fn loaded(&self) -> Loaded {
+        self.state().loaded.clone()
+    }
+
+    /// The scene that a text describes, with the same files.
+    pub(crate) fn of_text(&self, py: Python<'_>, text: &str) -> PyResult<Self> {
+        let (format, loaded) = (self.state().edit.format(), self.loaded());
+        let state = State::read(py, text, loaded.text.name(), format, &self.files)?;
+        Ok(Self::with(state, Arc::clone(&self.files)))
+    }
 }
 
 #[pymethods]

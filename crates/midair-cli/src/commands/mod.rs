@@ -1,6 +1,7 @@
 //! The commands, one file each: its arguments and what it does.
 
 mod apply;
+mod calibrate;
 pub mod check;
 pub mod compensate;
 mod completions;
@@ -64,6 +65,7 @@ enum Command {
     Tolerance(tolerance::Arguments),
     Explore(explore::Arguments),
     Report(report::Arguments),
+    Calibrate(calibrate::Arguments),
     Orbit(orbit::Arguments),
     Eyebox(eyebox::Arguments),
     Map(map::Arguments),
@@ -94,6 +96,7 @@ pub fn run(program: Program) -> Result<ExitCode, Failure> {
         Command::Tolerance(arguments) => tolerance::run(&arguments, voice),
         Command::Explore(arguments) => explore::run(&arguments, voice),
         Command::Report(arguments) => report::run(&arguments, voice),
+        Command::Calibrate(arguments) => calibrate::run(&arguments, voice),
         Command::Orbit(arguments) => orbit::run(&arguments, voice),
         Command::Eyebox(arguments) => eyebox::run(&arguments, voice),
         Command::Map(arguments) => map::run(&arguments, voice),

@@ -2,6 +2,7 @@
 
 mod apply;
 mod bad_input;
+mod calibrate;
 mod check;
 mod compensate;
 mod delivery;

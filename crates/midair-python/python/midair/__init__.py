@@ -10,11 +10,12 @@
 Lengths are millimetres, angles degrees; frames are right-handed with +y up. Image points are uv, u to the right and v up, display points st, both
 from 0 to 1. Arrays have row 0 at the top, and NaN where there is no answer.
 
-midair.plot draws figures (matplotlib), midair.sweep varies a scene (xarray, Dask, zarr).
+midair.fit finds the scene as it really is from photographs' points. midair.plot draws figures (matplotlib), midair.sweep varies a scene (xarray, Dask, zarr).
 """
 
 from ._codes import Action, End, Met, Status
 from ._core import (
+    Calibration,
     Check,
     ContentError,
     Error,
@@ -26,6 +27,7 @@ from ._core import (
     Scene,
     SceneError,
     __version__,
+    fit,
     load_map,
     thread_count,
     use_threads,
@@ -35,6 +37,7 @@ from ._sweep import sweep
 
 __all__ = [
     "Action",
+    "Calibration",
     "Check",
     "ContentError",
     "End",
@@ -49,6 +52,7 @@ __all__ = [
     "SceneError",
     "Status",
     "__version__",
+    "fit",
     "load_map",
     "plot",
     "sweep",

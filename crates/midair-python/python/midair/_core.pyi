@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
+    "Calibration",
     "Check",
     "ContentError",
     "Error",
@@ -18,6 +19,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "__version__",
+    "fit",
     "load_map",
     "thread_count",
     "use_threads",
@@ -78,6 +80,19 @@ class Check:
     @property
     def data(self) -> dict[str, Any]: ...
     def _repr_html_(self) -> str: ...
+
+@final
+class Calibration:
+    @property
+    def scene(self) -> Scene: ...
+    @property
+    def parameters(self) -> list[dict[str, Any]]: ...
+    @property
+    def covariance(self) -> NDArray[np.float64]: ...
+    @property
+    def names(self) -> list[str]: ...
+    @property
+    def data(self) -> dict[str, Any]: ...
 
 @final
 class Rays:
@@ -227,6 +242,22 @@ class Scene:
     def drawing(self) -> str: ...
     def _repr_svg_(self) -> str: ...
 
+def fit(
+    scene: Scene,
+    views: Mapping[str, tuple[ArrayLike, ArrayLike]],
+    *,
+    focal: _Point | None = None,
+    centre: _Point | None = None,
+    distortion: Sequence[float] = ...,
+    position: float = 3.0,
+    rotation: float = 3.0,
+    ior: float = 0.02,
+    size: float = 0.5,
+    free: Sequence[str] = ...,
+    fix: Sequence[str] = ...,
+    together: Sequence[Sequence[str]] = ...,
+    starts: int = 8,
+) -> Calibration: ...
 def load_map(
     path: _Path,
     *,

@@ -56,92 +56,108 @@ impl Real for f64 {
     }
 }
 
-/// A number with its partial derivatives by the two image coordinates (u, v):
-/// forward-mode differentiation to first order.
+/// A number with its partial derivatives by `N` variables, forward-mode differentiation to first order; without a number, by the two
+/// image coordinates (u, v).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dual {
+pub struct Dual<const N: usize = 2> {
     /// The value.
     pub re: f64,
-    /// Partial derivatives by u and v.
-    pub d: [f64; 2],
+    /// Partial derivatives by each variable; of two, by u and v.
+    pub d: [f64; N],
 }
 
-impl Dual {
-    /// An independent variable: derivative 1 along `axis` (0: u, 1: v).
+impl<const N: usize> Dual<N> {
+    /// An independent variable: derivative 1 along `axis` (of two, 0: u, 1: v).
     pub fn variable(re: f64, axis: usize) -> Self {
-        let mut d = [0.0; 2];
+        let mut d = [0.0; N];
         d[axis] = 1.0;
         Self { re, d }
     }
 
     /// Applies a function with value `re` and slope `slope` at `self`.
+    #[inline]
     fn chain(self, re: f64, slope: f64) -> Self {
-        Self { re, d: [self.d[0] * slope, self.d[1] * slope] }
+        Self { re, d: self.d.map(|d| d * slope) }
+    }
+
+    /// Derivatives of both, joined one by one.
+    #[inline]
+    fn joined(self, o: Self, join: impl Fn(f64, f64) -> f64) -> [f64; N] {
+        std::array::from_fn(|i| join(self.d[i], o.d[i]))
     }
 }
 
-impl Real for Dual {
+impl<const N: usize> Real for Dual<N> {
+    #[inline]
     fn constant(value: f64) -> Self {
-        Self { re: value, d: [0.0; 2] }
+        Self { re: value, d: [0.0; N] }
     }
+    #[inline]
     fn value(self) -> f64 {
         self.re
     }
+    #[inline]
     fn sqrt(self) -> Self {
         let root = self.re.sqrt();
         self.chain(root, 0.5 / root)
     }
 }
 
-impl Add for Dual {
+impl<const N: usize> Add for Dual<N> {
     type Output = Self;
+    #[inline]
     fn add(self, o: Self) -> Self {
-        Self { re: self.re + o.re, d: [self.d[0] + o.d[0], self.d[1] + o.d[1]] }
+        Self { re: self.re + o.re, d: self.joined(o, |a, b| a + b) }
     }
 }
-impl Sub for Dual {
+impl<const N: usize> Sub for Dual<N> {
     type Output = Self;
+    #[inline]
     fn sub(self, o: Self) -> Self {
-        Self { re: self.re - o.re, d: [self.d[0] - o.d[0], self.d[1] - o.d[1]] }
+        Self { re: self.re - o.re, d: self.joined(o, |a, b| a - b) }
     }
 }
-impl Mul for Dual {
+impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
+    #[inline]
+    #[expect(clippy::suspicious_arithmetic_impl, reason = "the product rule adds")]
     fn mul(self, o: Self) -> Self {
-        Self {
-            re: self.re * o.re,
-            d: [self.d[0] * o.re + self.re * o.d[0], self.d[1] * o.re + self.re * o.d[1]],
-        }
+        Self { re: self.re * o.re, d: self.joined(o, |a, b| a * o.re + self.re * b) }
     }
 }
-impl Div for Dual {
+impl<const N: usize> Div for Dual<N> {
     type Output = Self;
+    #[inline]
     fn div(self, o: Self) -> Self {
         let inverse = 1.0 / o.re;
         let re = self.re * inverse;
-        Self { re, d: [(self.d[0] - re * o.d[0]) * inverse, (self.d[1] - re * o.d[1]) * inverse] }
+        Self { re, d: self.joined(o, |a, b| (a - re * b) * inverse) }
     }
 }
-impl Neg for Dual {
+impl<const N: usize> Neg for Dual<N> {
     type Output = Self;
+    #[inline]
     fn neg(self) -> Self {
-        Self { re: -self.re, d: [-self.d[0], -self.d[1]] }
+        Self { re: -self.re, d: self.d.map(|d| -d) }
     }
 }
-impl Add<f64> for Dual {
+impl<const N: usize> Add<f64> for Dual<N> {
     type Output = Self;
+    #[inline]
     fn add(self, o: f64) -> Self {
         Self { re: self.re + o, d: self.d }
     }
 }
-impl Sub<f64> for Dual {
+impl<const N: usize> Sub<f64> for Dual<N> {
     type Output = Self;
+    #[inline]
     fn sub(self, o: f64) -> Self {
         Self { re: self.re - o, d: self.d }
     }
 }
-impl Mul<f64> for Dual {
+impl<const N: usize> Mul<f64> for Dual<N> {
     type Output = Self;
+    #[inline]
     fn mul(self, o: f64) -> Self {
         self.chain(self.re * o, o)
     }

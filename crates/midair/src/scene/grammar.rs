@@ -5,42 +5,62 @@ use super::devices;
 use super::grammar_of_solids as solids;
 
 /// A named set of keys.
-pub(super) struct Block {
+pub struct Block {
     /// What people call it, with its article.
     pub name: &'static str,
+    /// What it is, in a sentence.
     pub about: &'static str,
+    /// The keys that it may have.
     pub keys: &'static [Key],
     /// Sets of keys of which exactly one is given.
     pub exactly_one: &'static [&'static [&'static str]],
 }
 
-pub(super) struct Key {
+/// A key of a block.
+pub struct Key {
+    /// As it is written.
     pub name: &'static str,
+    /// What its value may be.
     pub kind: Kind,
+    /// The unit of its numbers.
     pub unit: Option<&'static str>,
+    /// Whether it must be given.
     pub need: Need,
+    /// What it means, in a sentence.
     pub about: &'static str,
 }
 
 /// Whether a key must be given, and what it means when it is not.
-pub(super) enum Need {
+pub enum Need {
+    /// It must be given.
     Required,
     /// Left out, it means what `about` says.
     Optional,
+    /// A number stands for it.
     Number(f64),
+    /// Numbers stand for it.
     Numbers(&'static [f64]),
+    /// A whole number stands for it.
     Integer(i64),
+    /// Whole numbers stand for it.
     Integers(&'static [i64]),
+    /// True or false stands for it.
     Flag(bool),
+    /// A text stands for it.
     Text(&'static str),
 }
 
 /// What a key's value may be. Bounds are inclusive.
-pub(super) enum Kind {
+pub enum Kind {
+    /// A text.
     Text,
+    /// The name of a file.
     File,
+    /// True or false.
     Flag,
+    /// A number.
     Number(f64, f64),
+    /// A whole number.
     Integer(i64, i64),
     /// A list of `len` numbers.
     Numbers(usize, f64, f64),
@@ -54,9 +74,11 @@ pub(super) enum Kind {
     List(f64, f64),
     /// A list of at least so many points, each of two numbers.
     Points(usize, f64, f64),
+    /// One of these texts.
     Choice(&'static [&'static str]),
     /// A glass of the catalogue.
     Glass,
+    /// A block.
     Block(&'static Block),
     /// A list of blocks.
     Blocks(&'static Block),
@@ -100,7 +122,8 @@ pub(super) const SIZE: Kind = Kind::Number(SMALLEST, LARGEST);
 /// Bound of an index of refraction: vacuum to beyond germanium.
 pub(super) const INDEX: (f64, f64) = (1.0, 5.0);
 
-pub(super) const fn required(
+/// A key that must be given.
+pub const fn required(
     name: &'static str,
     kind: Kind,
     unit: Option<&'static str>,
@@ -109,7 +132,8 @@ pub(super) const fn required(
     Key { name, kind, unit, need: Need::Required, about }
 }
 
-pub(super) const fn optional(
+/// A key that may be left out.
+pub const fn optional(
     name: &'static str,
     kind: Kind,
     unit: Option<&'static str>,
@@ -149,7 +173,8 @@ const FACING: Key = required(
     "Which way it curves, seen from its local +z side.",
 );
 
-pub(super) const fn block(name: &'static str, about: &'static str, keys: &'static [Key]) -> Block {
+/// A block of which no key excludes another.
+pub const fn block(name: &'static str, about: &'static str, keys: &'static [Key]) -> Block {
     Block { name, about, keys, exactly_one: &[] }
 }
 

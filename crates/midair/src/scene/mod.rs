@@ -11,6 +11,7 @@ mod conform;
 pub mod devices;
 mod edit;
 mod error;
+pub mod form;
 mod grammar;
 mod grammar_of_solids;
 pub(crate) mod heights;
@@ -41,7 +42,6 @@ pub use tree::Format;
 pub use validate::{validate, validate_viewpoint};
 
 use model::Scene;
-use tree::Value;
 
 /// Reads a scene from text. `file_name` stands in messages, and names a scene without a name.
 ///
@@ -67,20 +67,9 @@ fn parse_with_places(
     file_name: &str,
     format: Format,
 ) -> Result<(Scene, SceneText), SceneError> {
-    // Some editors begin a file with a byte order mark.
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut source = SceneText::new(file_name, text);
-    let root = tree::parse(&source, text, format)?;
-    let Value::Table(table) = &root.value else {
-        return Err(source.error(None, "the scene is not a table", "give it keys and blocks"));
-    };
-    let mut conformance = conform::Conformance { source: &mut source, faults: Vec::new() };
-    conformance.block(&grammar::SCENE, "", table, &root.span);
-    if let Some(error) = SceneError::gathered(conformance.faults) {
-        return Err(error);
-    }
+    let (table, source) = form::read(&grammar::SCENE, text, file_name, format)?;
     let stem = std::path::Path::new(file_name).file_stem().and_then(|s| s.to_str());
-    let scene = read::scene(&grammar::SCENE, table, stem.unwrap_or("scene")).ok_or_else(|| {
+    let scene = read::scene(&grammar::SCENE, &table, stem.unwrap_or("scene")).ok_or_else(|| {
         source.error(None, "the scene cannot be read", "compare it with `midair schema`")
     })?;
     Ok((scene, source))

@@ -2,11 +2,12 @@
 
 mod fields;
 
+pub use fields::Fields;
+
 use super::devices::{self, Fineness};
 use super::grammar::{Block, Kind};
 use super::model::*;
 use super::tree::{Entry, Node, Value, millimetres};
-use fields::Fields;
 use std::path::PathBuf;
 
 /// The scene that a conforming table describes; `None` when the table does not conform.

@@ -43,26 +43,38 @@ pub(super) const STRICT: jsonc_parser::ParseOptions = jsonc_parser::ParseOptions
 
 /// A value and the bytes it was read from.
 #[derive(Debug)]
-pub(super) struct Node {
+pub struct Node {
+    /// Its bytes in the text.
     pub span: Range<usize>,
+    /// The value.
     pub value: Value,
 }
 
 /// One `key = value`.
 #[derive(Debug)]
-pub(super) struct Entry {
+pub struct Entry {
+    /// The key.
     pub key: String,
+    /// Its bytes in the text.
     pub key_span: Range<usize>,
+    /// What it is given.
     pub node: Node,
 }
 
+/// A value as TOML and JSON have it.
 #[derive(Debug)]
-pub(super) enum Value {
+pub enum Value {
+    /// True or false.
     Flag(bool),
+    /// A whole number.
     Integer(i64),
+    /// A number.
     Number(f64),
+    /// A text.
     Text(String),
+    /// A list.
     List(Vec<Node>),
+    /// A block of keys.
     Table(Vec<Entry>),
     /// What neither notation shares: a date, null; named for the message.
     Other(&'static str),
@@ -176,7 +188,7 @@ fn toml_help(text: &str, span: Option<Range<usize>>) -> String {
             None => format!("numbers stand without units: write `{key} = {number:?}`"),
         };
     }
-    "scene files are TOML: `key = value` lines under [block] headers; texts stand in \"quotes\""
+    "the file is TOML: `key = value` lines under [block] headers; texts stand in \"quotes\""
         .to_owned()
 }
 

@@ -27,6 +27,7 @@ mod build;
 mod course;
 mod losses;
 mod many;
+mod moved;
 mod path;
 mod setup;
 #[cfg(test)]
@@ -37,6 +38,7 @@ pub use crate::optics::glass::DESIGN_WAVELENGTH;
 pub use build::SetupError;
 pub use course::Course;
 pub use losses::Remainder;
+pub use moved::{Moved, MovedElement, Placing};
 pub use path::{Action, End, Path, Step, on_display};
 pub use setup::{Element, MAX_SOLIDS, Matter, Setup};
 pub use walk::Walk;

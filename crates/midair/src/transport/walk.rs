@@ -151,7 +151,7 @@ impl Setup {
     }
 
     /// The solid that fills the place inside these solids (a bit for each rank); `None` in the open.
-    fn medium(&self, inside: u64) -> Option<&Element> {
+    pub(super) fn medium(&self, inside: u64) -> Option<&Element> {
         if inside == 0 {
             return None;
         }

@@ -129,7 +129,7 @@ mod tests {
     fn derivatives_are_differences() {
         let planes = LayerPlanes::new(&SlitMirror { azimuth: 30.0, ..SlitMirror::default() });
         let at = |u: f64, v: f64| Vec3::new(0.3 + u, -0.4 + v, -0.9).normalized();
-        let dual = |value: f64, which| Dual::variable(value, which);
+        let dual = |value: f64, which| Dual::<2>::variable(value, which);
         let d = Vec3 { x: dual(0.0, 0) + 0.3, y: dual(0.0, 1) + -0.4, z: Dual::constant(-0.9) }
             .normalized();
         let shift = planes.shift(d);

@@ -1,6 +1,7 @@
 //! The example scenes, and the schema that all scenes follow.
 
 use super::*;
+use crate::scene::tree::Value;
 
 pub(super) fn scenes() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes")
