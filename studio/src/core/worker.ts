@@ -36,7 +36,7 @@ const started = init().then(async () => {
 });
 
 /** Pixels of a picture at most, and of its small twin; larger ones are reduced to that. */
-const [MOST_PIXELS, FEW_PIXELS] = [16e6, 256 * 256];
+const [MOST_PIXELS, FEW_PIXELS] = [16e6, COARSE * COARSE];
 
 /** A picture over black, as the browser decodes it: turned as it says, its colours in sRGB. */
 async function decoded(file: Blob): Promise<[Still, Still]> {

@@ -53,7 +53,7 @@ export class Space {
     readonly canvas: HTMLCanvasElement,
     private readonly on: { select(part: Part | null): void; drag(part: Part, position: Vector, rotation: Vector, done: boolean): void },
   ) {
-    this.#renderer = new WebGLRenderer({ canvas, antialias: true });
+    this.#renderer = new WebGLRenderer({ canvas, antialias: !drawsInSoftware() });
     this.#renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.#scene.background = new Color("#eaf0f5");
     const sun = new DirectionalLight("#ffffff", 1.6);
@@ -270,6 +270,15 @@ export class Space {
     this.#orbit.update();
     this.draw();
   }
+}
+
+/** Whether the processor draws, which has better to do than to smooth edges. */
+function drawsInSoftware(): boolean {
+  const context = document.createElement("canvas").getContext("webgl2");
+  const named = context?.getExtension("WEBGL_debug_renderer_info");
+  const name: unknown = named ? context?.getParameter(named.UNMASKED_RENDERER_WEBGL) : "";
+  context?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(String(name));
 }
 
 function pose(object: Object3D, position: Vector, rotation: Vector) {
