@@ -13,8 +13,7 @@ const COMMANDS_PAGE: &str = "docs/reference/commands.md";
 
 /// Brings the pages up to date.
 pub fn write() -> Result<()> {
-    // The program is all that it takes.
-    process::run(&mut process::cargo(&["build", "--quiet", "--package", "midair-cli"]))?;
+    process::build_for_tests()?;
     for (page, name, text) in generated()? {
         let path = crate::root().join(page);
         let old = std::fs::read_to_string(&path).with_context(|| page.to_owned())?;
