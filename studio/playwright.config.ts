@@ -8,8 +8,8 @@ export default defineConfig({
   testDir: "tests",
   outputDir: "test-results",
   workers: 1,
-  timeout: 60_000,
-  expect: { timeout: 15_000 },
+  timeout: 240_000,
+  expect: { timeout: 40_000 },
   reporter: "./tests/reporter.ts",
   webServer: { command: `${program} studio --no-browser --port 8474 --page ../target/studio`, url: at, reuseExistingServer: false },
   use: {

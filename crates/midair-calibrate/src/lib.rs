@@ -4,7 +4,7 @@
 //! photograph without the object (*empty*) tells the camera; one from the same place with it (*object*) tells for each camera pixel which display
 //! point it sees. [`fit()`] looks for the scene that says the same.
 //!
-//! - [`bench`]: the file that says what was photographed, and what was assumed
+//! - [`mod@bench`]: the file that says what was photographed, and what was assumed
 //! - [`correspondences`]: camera pixels and the display points that they see
 //! - [`camera`]: the lens by OpenCV's model, its place
 //! - [`fit()`]: cameras and elements at once, and what is determined ([`Finding`])

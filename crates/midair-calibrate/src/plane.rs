@@ -30,6 +30,15 @@ pub fn through(h: &Matrix3<f64>, [x, y]: [f64; 2]) -> [f64; 2] {
     [p.x / p.z, p.y / p.z]
 }
 
+/// How far each pair's point is from where a homography puts it.
+pub fn distances(h: &Matrix3<f64>, pairs: &[Pair]) -> Vec<f64> {
+    let distance = |pair: &Pair| {
+        let at = through(h, pair.on_plane);
+        (at[0] - pair.seen[0]).hypot(at[1] - pair.seen[1])
+    };
+    pairs.iter().map(distance).collect()
+}
+
 /// The homography from the plane to the picture, little moved by wrong pairs; `None` where the pairs do not tell it (fewer than four, or all on a line).
 pub fn homography(pairs: &[Pair]) -> Option<Matrix3<f64>> {
     let mut weights = vec![1.0; pairs.len()];
@@ -37,13 +46,7 @@ pub fn homography(pairs: &[Pair]) -> Option<Matrix3<f64>> {
     // Weights by how far off each pair is (Cauchy's loss, its scale the median): a few rounds suffice for a beginning.
     for _ in 0..12 {
         let h = weighted_homography(pairs, &weights)?;
-        let off: Vec<f64> = pairs
-            .iter()
-            .map(|pair| {
-                let at = through(&h, pair.on_plane);
-                (at[0] - pair.seen[0]).hypot(at[1] - pair.seen[1])
-            })
-            .collect();
+        let off = distances(&h, pairs);
         let scale = median(&off).max(1e-12) * 2.0;
         weights = off.iter().map(|off| 1.0 / (1.0 + (off / scale).powi(2))).collect();
         best = Some(h);

@@ -5,7 +5,7 @@ use crate::cameras::{self, ViewPoints};
 use crate::correspondences::Correspondence;
 use crate::decoded::Decoded;
 use crate::equations::without_elements;
-use crate::plane::{Pair, homography, median, through};
+use crate::plane::{Pair, distances, homography, median};
 use crate::stray::mark;
 use midair::geometry::Frame;
 use midair::scene::Loaded;
@@ -102,13 +102,7 @@ pub fn survey(
 fn agreeing(points: &[Correspondence]) -> Vec<Correspondence> {
     let pairs: Vec<Pair> = points.iter().map(|p| Pair { on_plane: p.pixel, seen: p.st }).collect();
     let Some(h) = homography(&pairs) else { return points.to_vec() };
-    let off: Vec<f64> = pairs
-        .iter()
-        .map(|pair| {
-            let at = through(&h, pair.on_plane);
-            (at[0] - pair.seen[0]).hypot(at[1] - pair.seen[1])
-        })
-        .collect();
+    let off = distances(&h, &pairs);
     // A fiftieth of the display is more than lenses bend; a stray image is further off nearly everywhere.
     let bound = (4.0 * median(&off)).clamp(0.005, 0.05);
     points.iter().zip(&off).filter(|(_, off)| **off <= bound).map(|(p, _)| *p).collect()

@@ -179,7 +179,7 @@ impl Scene {
         codes(&field_picture(&faded_view(&self.setup, &white, size, |_, _| true)))
     }
 
-    /// The image (white) and the plate's stray light (orange, blue, green) over [`STRAY_WINDOW`] times its width and height: sRGB codes.
+    /// The image (white) and the plate's stray light (orange, blue, green) over four times its width and height: sRGB codes.
     pub fn stray(&self, width: usize) -> Result<Vec<u8>, JsValue> {
         let (parameters, _) = self.loaded.scene.plate.model.slit_mirror_or_usual();
         let plate = SlitMirrorPlate::new(parameters).map_err(thrown)?;
