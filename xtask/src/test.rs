@@ -1,10 +1,11 @@
 //! `cargo xtask test`: everything that must hold before a change is merged.
 
 use crate::{blender, book, fuzz, process, python, setup, studio, wasm};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow};
 use clap::{Args, ValueEnum};
 use midair_peers::Peer;
 use std::collections::BTreeSet;
+use std::process::Command;
 use std::time::Instant;
 
 #[derive(Args)]
@@ -67,6 +68,26 @@ impl Tally {
         }
     }
 
+    /// Runs a program that tests, and counts what each of its lines says. Where it failed without a word, or ran no test, that is one failure more.
+    pub fn watched(command: &mut Command, mut count: impl FnMut(&mut Self, &str)) -> Self {
+        let mut tally = Self::default();
+        let status = process::run_watched(command, |line| count(&mut tally, line));
+        let name = process::shown(command);
+        match status {
+            Ok(_) if tally.failed > 0 => {}
+            Ok(status) if !status.success() => {
+                tally.add(Self::of(Err(anyhow!("`{name}` failed ({status})"))));
+            }
+            Ok(_) if tally.passed == 0 => {
+                let problem = anyhow!("no test ran: has what `{name}` prints changed?");
+                tally.add(Self::of(Err(problem)));
+            }
+            Ok(_) => {}
+            Err(error) => tally.add(Self::of(Err(error))),
+        }
+        tally
+    }
+
     pub fn add(&mut self, other: Self) {
         self.passed += other.passed;
         self.failed += other.failed;
@@ -96,7 +117,7 @@ pub fn run(options: &Options) -> Result<bool> {
             account(*step, step.timed(&options.optional));
         }
         if let Some((step, setup)) = setup {
-            let ended = setup.join().unwrap_or_else(|_| Tally::of(Err(anyhow::anyhow!("a panic"))));
+            let ended = setup.join().unwrap_or_else(|_| Tally::of(Err(anyhow!("a panic"))));
             account(step, ended);
         }
     });
@@ -181,7 +202,7 @@ fn package() -> Result<()> {
     // Elsewhere: within the workspace it would be taken for a part of it.
     let unpacked = tempfile::tempdir()?;
     process::run(
-        std::process::Command::new("tar")
+        Command::new("tar")
             .args(["--extract", "--strip-components=1", "--file"])
             .arg(&archive)
             .current_dir(unpacked.path()),
@@ -197,27 +218,15 @@ fn cargo(arguments: &[&str]) -> Result<()> {
 
 /// All tests of the workspace, documentation tests among them.
 fn tests(optional: &[Peer]) -> Tally {
-    let mut tally = Tally::default();
     let skips = std::env::temp_dir().join(format!("midair-skips-{}", std::process::id()));
     let mut command = process::cargo(&["test", "--quiet", "--workspace", "--no-fail-fast"]);
     command.env(midair_peers::REQUIRED, required(optional)).env(midair_peers::SKIPS, &skips);
     command.env(midair_peers::corpus::CORPUS, fuzz::seeds());
-    let status = process::run_watched(&mut command, |line| {
+    let mut tally = Tally::watched(&mut command, |tally, line| {
         if let Some(counts) = read_result(line) {
             tally.add(counts);
         }
     });
-    let outcome = match status {
-        Ok(status) if status.success() && tally.passed == 0 => no_tests(),
-        Ok(status) if !status.success() && tally.failed == 0 => {
-            Err(anyhow::anyhow!("`{}` failed ({status})", process::shown(&command)))
-        }
-        Ok(_) => Ok(()),
-        Err(error) => Err(error),
-    };
-    if outcome.is_err() {
-        tally.add(Tally::of(outcome));
-    }
     match take_skips(&skips) {
         Ok(skipped) => {
             for line in &skipped {
@@ -258,10 +267,6 @@ impl std::fmt::Display for Tally {
             self.passed, self.failed, self.skipped
         )
     }
-}
-
-fn no_tests() -> Result<()> {
-    bail!("no test ran: has the test runner's summary line changed?")
 }
 
 /// The counts in a test runner's line `test result: ok. 3 passed; 0 failed; ...`.
