@@ -36,8 +36,8 @@ pub fn run(options: &Options) -> Result<bool> {
     test.args(["test", "--quiet", "--release", "--package", package, "--test", file])
         .args(["--", "--nocapture", which])
         .current_dir(crate::root())
-        .env("MIDAIR_CAMPAIGN", options.count.unwrap_or(count).to_string())
-        .env("MIDAIR_CAMPAIGN_FIRST", options.first.to_string());
+        .env(midair_peers::campaign::COUNT, options.count.unwrap_or(count).to_string())
+        .env(midair_peers::campaign::FIRST, options.first.to_string());
     if let Some(folder) = &options.keep {
         std::fs::create_dir_all(folder)?;
         test.env("MIDAIR_CAMPAIGN_KEEP", std::path::absolute(folder)?);

@@ -92,15 +92,10 @@ pub fn freedoms(views: usize, lens_is_known: bool) -> Vec<Free> {
     free
 }
 
-/// What is left to fit to the empty photographs alone, at most so many points of each.
-fn of_empty(views: &[ViewPoints], lens_is_known: bool, most: usize) -> Problem {
-    let shots = views.iter().enumerate().map(|(view, points)| Shot {
-        view,
-        with_object: false,
-        points: points.empty.iter().step_by(points.empty.len().div_ceil(most)).copied().collect(),
-    });
-    let free = freedoms(views.len(), lens_is_known);
-    Problem { bodies: Vec::new(), shots: shots.collect(), free }
+/// A view's empty photographs, at most so many points of them.
+fn empty_shot(view: usize, points: &ViewPoints, most: usize) -> Shot {
+    let points = points.empty.iter().step_by(points.empty.len().div_ceil(most)).copied();
+    Shot { view, with_object: false, points: points.collect() }
 }
 
 /// The cameras as the empty photographs tell them.
@@ -146,7 +141,12 @@ pub fn find(
         let camera = h.and_then(|h| camera_of(&h, floating.origin, floating.axes));
         cameras.push(camera.ok_or_else(|| unseen(&view.name))?);
     }
-    let problem = of_empty(views, known.is_some(), usize::MAX);
+    let shots = views.iter().enumerate();
+    let problem = Problem {
+        bodies: Vec::new(),
+        shots: shots.map(|(view, points)| empty_shot(view, points, usize::MAX)).collect(),
+        free: freedoms(views.len(), known.is_some()),
+    };
     let offset = DVector::zeros(problem.free.len());
     let start = State { loaded: loaded.clone(), cameras, lens, offset };
     let found = problem.descend(&start, stop)?;
@@ -193,11 +193,7 @@ pub fn other_places(
     for (view, points) in views.iter().enumerate() {
         // Another view's points tell nothing of this camera, and the lens stays.
         let problem = Problem {
-            shots: of_empty(views, true, TRIED)
-                .shots
-                .into_iter()
-                .filter(|s| s.view == view)
-                .collect(),
+            shots: vec![empty_shot(view, points, TRIED)],
             free: freedoms(views.len(), true)
                 .into_iter()
                 .filter(|f| f.what.is_of_view(view))

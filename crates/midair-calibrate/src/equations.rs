@@ -249,12 +249,11 @@ impl Problem {
                 let point = &shot.points[i];
                 let mut off = [f64::NAN; 2];
                 let mut path = path.clone();
+                let direction = (!lens_is_free).then(|| state.lens.direction(point.pixel));
                 for (part, lifted) in chunks.iter().enumerate() {
-                    let ray = if lens_is_free {
-                        pixel_ray(&lifted.camera, &lifted.lens, point.pixel)
-                    } else {
-                        let direction = state.lens.direction(point.pixel);
-                        ray_along(&lifted.camera, direction.map(Dual::constant))
+                    let ray = match direction {
+                        Some(known) => ray_along(&lifted.camera, known.map(Dual::constant)),
+                        None => pixel_ray(&lifted.camera, &lifted.lens, point.pixel),
                     };
                     let st = setup.follow_moved(ray, &mut path, &lifted.parts);
                     for c in 0..2 {

@@ -36,37 +36,21 @@ const COARSE: usize = 8;
 /// A pixel that is nearer than this to what the real image would show there is real, as a share of the display: the object may stand some millimetres elsewhere.
 const NEAR: f64 = 0.04;
 
-/// The display point that the real image would show at a pixel, and those that the stray images would.
-#[derive(Clone, Copy, Default)]
-struct Predicted {
-    real: Option<[f64; 2]>,
-    strays: [Option<[f64; 2]>; 3],
-}
-
 /// Marks the pixels that see the display by stray light: what they see is nearer to what one of the plate's stray images would show there than to what the
 /// real one would: by half, or it is not sure.
 pub fn mark(decoded: &mut Decoded, setup: &Setup, camera: &Frame, lens: &Lens) {
     let placed = Placing::constant(camera);
     let (width, height) = (decoded.width, decoded.height);
     let columns = width.div_ceil(COARSE);
-    let at = |pixel: [f64; 2]| {
-        let ray = pixel_ray(&placed, lens, pixel);
-        if !ray.direction.is_finite() {
-            return Predicted::default();
-        }
-        let mut path = Path::new();
-        let real = setup.trace(ray, &mut path).st();
-        let Some((left, _)) = at_plate(setup, ray, &path) else {
-            return Predicted { real, strays: [None; 3] };
-        };
-        Predicted { real, strays: STRAY.map(|odd| passed(setup, &left, odd)) }
+    let ray_of = |pixel: [f64; 2]| {
+        Some(pixel_ray(&placed, lens, pixel)).filter(|ray| ray.direction.is_finite())
     };
-    let coarse: Vec<Option<[f64; 2]>> = (0..columns * height.div_ceil(COARSE))
-        .into_par_iter()
-        .map(|cell| {
-            at([cell % columns, cell / columns].map(|k| ((k * COARSE) + COARSE / 2) as f64)).real
-        })
-        .collect();
+    let of_cell = |cell: usize| {
+        let middle = [cell % columns, cell / columns].map(|k| (k * COARSE + COARSE / 2) as f64);
+        setup.trace(ray_of(middle)?, &mut Path::new()).st()
+    };
+    let cells = columns * height.div_ceil(COARSE);
+    let coarse: Vec<Option<[f64; 2]>> = (0..cells).into_par_iter().map(of_cell).collect();
     let st = &decoded.st;
     decoded.seen.par_iter_mut().enumerate().for_each(|(pixel, seen)| {
         if *seen != Seen::Real {
@@ -81,8 +65,12 @@ pub fn mark(decoded: &mut Decoded, setup: &Setup, camera: &Frame, lens: &Lens) {
             return;
         }
         // A stray image may be seen at a slant, many of the display's pixels in one of the camera's.
-        let Predicted { real, strays } = at([x as f64 + 0.5, y as f64 + 0.5]);
-        let (real, stray) = (off(&real), strays.iter().map(off).fold(f64::INFINITY, f64::min));
+        let Some(ray) = ray_of([x as f64 + 0.5, y as f64 + 0.5]) else { return };
+        let mut path = Path::new();
+        let real = off(&setup.trace(ray, &mut path).st());
+        let Some((left, _)) = at_plate(setup, ray, &path) else { return };
+        let strays = STRAY.map(|odd| off(&passed(setup, &left, odd)));
+        let stray = strays.into_iter().fold(f64::INFINITY, f64::min);
         if real > NEAR && stray < real {
             // Between the two where both lie over one another.
             *seen = if stray < 0.5 * real { Seen::Stray } else { Seen::Unsure };

@@ -5,6 +5,7 @@ use midair::scene::{Loaded, load};
 use midair::transport::{Path, Setup};
 use midair_calibrate::rehearsal::{camera, disturbed, lens, view};
 use midair_calibrate::{Finding, Options, Uncertainty, ViewPoints, fit};
+use midair_peers::campaign;
 
 /// Noise of the points: 0.05 mm on the display, 400 a view.
 const NOISE: f64 = 0.05;
@@ -128,13 +129,9 @@ fn rehearse(bench: &Bench, seed: u64, noise: f64) -> (Loaded, Finding, Vec<(&'st
 }
 
 /// How many benches of each kind there are, and the number of the first one: few by themselves, more in `cargo xtask campaign --calibrate`.
-fn campaign() -> std::ops::Range<u64> {
-    let number = |name: &str, usual: u64| match std::env::var(name) {
-        Ok(text) => text.parse().unwrap_or_else(|error| panic!("{name}: {error}")),
-        Err(_) => usual,
-    };
-    let first = number("MIDAIR_CAMPAIGN_FIRST", 11);
-    first..first + number("MIDAIR_CAMPAIGN", 2)
+fn seeds() -> std::ops::Range<u64> {
+    let first = campaign::number(campaign::FIRST).unwrap_or(11);
+    first..first + campaign::number(campaign::COUNT).unwrap_or(2)
 }
 
 /// How many numbers that are called determined there were, and how many lie within three deviations.
@@ -157,7 +154,7 @@ fn the_scene_is_found_and_its_deviations_mean_something() {
     let mut elsewhere = Vec::new();
     for bench in &BENCHES {
         let mut of_kind = Vec::new();
-        for seed in campaign() {
+        for seed in seeds() {
             let (real, finding, cameras) = rehearse(bench, seed, NOISE);
             let name = format!("{} {seed}", bench.scene);
             let setup = Setup::new(&real).expect("it can be traced");

@@ -4,6 +4,7 @@
 //! [`REQUIRED`], asking for it in vain fails the test. Elsewhere the test skips itself: it says so on standard error, which the test runner
 //! does not swallow, and in the file that [`SKIPS`] names, from which `cargo xtask test` counts.
 
+pub mod campaign;
 pub mod corpus;
 
 use std::fmt::{self, Display};

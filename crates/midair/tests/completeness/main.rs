@@ -12,6 +12,7 @@ use judge::{Care, Judge};
 use midair::clock::Stopwatch;
 use midair::map::{Accuracy, Map, Status, invert};
 use midair::transport::Setup;
+use midair_peers::campaign;
 use rayon::prelude::*;
 use std::path::Path;
 
@@ -143,14 +144,9 @@ fn set_up_of(path: &Path) -> Setup {
     Setup::new(&loaded).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-fn variable(name: &str) -> Option<u64> {
-    let value = std::env::var(name).ok()?;
-    Some(value.parse().unwrap_or_else(|_| panic!("{name} is not a number: {value}")))
-}
-
 #[test]
 fn no_status_is_wrong_more_than_a_pixel_from_a_border() {
-    let campaign = variable("MIDAIR_CAMPAIGN");
+    let campaign = campaign::number(campaign::COUNT);
     let verdicts: Vec<Verdict> = if let Ok(files) = std::env::var("MIDAIR_CAMPAIGN_SCENES") {
         files
             .split(':')
@@ -161,7 +157,7 @@ fn no_status_is_wrong_more_than_a_pixel_from_a_border() {
             })
             .collect()
     } else {
-        let first = variable("MIDAIR_CAMPAIGN_FIRST").unwrap_or(0);
+        let first = campaign::number(campaign::FIRST).unwrap_or(0);
         let count = campaign.unwrap_or(27);
         let care = if campaign.is_some() { Care::THOROUGH } else { Care::QUICK };
         let folder = tempfile::tempdir().expect("a temporary folder");
