@@ -1,12 +1,13 @@
 // What the preflight finds, in words, with what helps as a button.
 
 import type { Check, Line } from "../core/midair_web.js";
+import { by } from "./page.js";
 import { word } from "./words.js";
 
 export function showFindings(check: Check, apply: (lines: Line[]) => void) {
   const percent = (share: number) => `${(100 * share).toFixed(share > 0.999 && share < 1 ? 2 : 1).replace(/\.0$/, "")} %`;
-  document.getElementById("formed")!.textContent = word("formed", { formed: percent(check.image.formed) });
-  const list = document.getElementById("findings")!;
+  by("formed").textContent = word("formed", { formed: percent(check.image.formed) });
+  const list = by("findings");
   const items = check.findings.map((finding) => {
     const item = document.createElement("li");
     item.className = finding.severity;

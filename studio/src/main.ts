@@ -61,7 +61,7 @@ function receive(reply: Reply, id: number) {
     case "unread": return complain(word("unread", { name: reply.name }), word("unreadRemedy"));
     case "fault": return fault(reply.fault);
     case "crashed": return crashed(reply.why);
-    case "plain": case "source": case "perspective": case "done": return;
+    case "source": case "perspective": case "done": return;
   }
 }
 
@@ -93,7 +93,7 @@ async function openExample(example: Example) {
 
 function open(text: string, name: string, files: NamedBytes[]) {
   elsewhere = null;
-  steps.add(core.send({ kind: "open", text, name, files }));
+  steps.add(core.send({ kind: "open", text, name, files, views: true }));
 }
 
 function change(list: Edit[]) {
@@ -145,7 +145,7 @@ function go(text: string | undefined) {
   if (text === undefined) return;
   appease();
   // Not a step: it is in the list already.
-  core.send({ kind: "open", text, name: "scene.toml", files: [] });
+  core.send({ kind: "open", text, name: "scene.toml", files: [], views: true });
   by<HTMLTextAreaElement>("text").value = text;
   showHistory();
 }
@@ -305,7 +305,7 @@ onClick("language", () => speakNow(languageNow() === "en" ? "ja" : "en"));
 onClick("message-close", appease);
 onClick("read-text", () => {
   appease();
-  steps.add(core.send({ kind: "open", text: by<HTMLTextAreaElement>("text").value, name: "scene.toml", files: [] }));
+  steps.add(core.send({ kind: "open", text: by<HTMLTextAreaElement>("text").value, name: "scene.toml", files: [], views: true }));
 });
 onClick("link", () => void copyLink());
 onClick("duplicate", () => {

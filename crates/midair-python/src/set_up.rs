@@ -1,7 +1,7 @@
 //! A set-up as it is drawn.
 
 use crate::arrays::shaped;
-use midair::evaluate::layout::{Body, Layout, Role, View};
+use midair::evaluate::layout::{Body, Layout, View};
 use midair::geometry::Vec3;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -35,15 +35,7 @@ pub fn layout<'py>(py: Python<'py>, layout: &Layout) -> PyResult<Bound<'py, PyDi
 
 fn of_body<'py>(py: Python<'py>, body: &Body, layout: &Layout) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
-    let role = match body.role {
-        Role::Display => "display",
-        Role::Plate => "plate",
-        Role::Image => "image",
-        Role::Solid => "solid",
-        Role::Mirror => "mirror",
-        Role::Opaque => "opaque",
-    };
-    dict.set_item("role", role)?;
+    dict.set_item("role", body.role.name())?;
     dict.set_item("name", &body.name)?;
     dict.set_item("measures", &body.measures)?;
     for (name, view) in [("side", layout.side()), ("top", layout.top())] {

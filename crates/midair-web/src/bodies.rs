@@ -1,6 +1,6 @@
 //! Where things stand, for a view in three dimensions.
 
-use midair::evaluate::layout::{Layout, Role};
+use midair::evaluate::layout::Layout;
 use midair::geometry::{Frame, Vec3};
 use midair::scene::{Asset, Loaded};
 use midair::transport::Setup;
@@ -33,17 +33,6 @@ impl Lines {
     }
 }
 
-fn role(role: Role) -> &'static str {
-    match role {
-        Role::Display => "display",
-        Role::Plate => "plate",
-        Role::Image => "image",
-        Role::Solid => "solid",
-        Role::Mirror => "mirror",
-        Role::Opaque => "opaque",
-    }
-}
-
 /// How many bodies of a layout stand before the elements'.
 const BEFORE: usize = 3;
 
@@ -62,7 +51,7 @@ pub fn described(layout: &Layout, setup: &Setup, elements: usize) -> Vec<Value> 
         let (frame, size) = place(setup, index);
         let element = index.checked_sub(BEFORE).filter(|&element| element < elements);
         json!({
-            "role": role(body.role),
+            "role": body.role.name(),
             "name": body.name,
             "element": element,
             "measures": body.measures,

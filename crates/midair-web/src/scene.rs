@@ -8,6 +8,7 @@ use crate::solution::Solution;
 use crate::still::{Still, codes};
 use midair::evaluate::layout::Layout;
 use midair::evaluate::preflight;
+use midair::evaluate::stray::WINDOW;
 use midair::geometry::Vec3;
 use midair::map::Map;
 use midair::optics::plate::SlitMirrorPlate;
@@ -30,11 +31,6 @@ pub struct Scene {
     setup: Setup,
     layout: Layout,
 }
-
-/// Views of stray light show so much more than the image, along each side.
-const STRAY_WINDOW: f64 = 4.0;
-/// Pixels along the longer side of the map that tells which part of the display is lit.
-const STRAY_MAP: usize = 256;
 
 /// A scene's text is bounded: what is larger is no text that a person has written.
 const MOST_BYTES: usize = 1 << 26;
@@ -179,14 +175,14 @@ impl Scene {
         codes(&field_picture(&faded_view(&self.setup, &white, size, |_, _| true)))
     }
 
-    /// The image (white) and the plate's stray light (orange, blue, green) over four times its width and height: sRGB codes.
-    pub fn stray(&self, width: usize) -> Result<Vec<u8>, JsValue> {
+    /// The image (white) and the plate's stray light (orange, blue, green) over four times its width and height, of a display that is lit as the scene's map
+    /// says: sRGB codes.
+    pub fn stray(&self, solved: &Solution, width: usize) -> Result<Vec<u8>, JsValue> {
         let (parameters, _) = self.loaded.scene.plate.model.slit_mirror_or_usual();
         let plate = SlitMirrorPlate::new(parameters).map_err(thrown)?;
-        let map = self.solve(Some(STRAY_MAP))?;
         let size = self.setup.view_size(width.max(1));
-        let sights = Sights::new(&self.setup, size, STRAY_WINDOW);
-        Ok(codes(&stray::picture(&sights.through(&plate, map.setup(), map.map()))))
+        let sights = Sights::new(&self.setup, size, WINDOW);
+        Ok(codes(&stray::picture(&sights.through(&plate, &self.setup, solved.map()))))
     }
 
     /// Height of a view that is so many pixels wide.

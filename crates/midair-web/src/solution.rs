@@ -46,12 +46,15 @@ impl Solution {
 
     /// For each pixel, row 0 at the top: u, v, its status (0 ok, 1 folded, 2 outside, 3 blocked), and 1 where it has an answer, else 0.
     pub fn pixels(&self) -> Vec<f32> {
-        pixels(self.map())
-    }
-
-    /// The same of a display that knows nothing of the object.
-    pub fn uncompensated_pixels(&self) -> Vec<f32> {
-        pixels(&uncompensated_map(self.setup()))
+        let map = self.map();
+        let pixel = |pixel: usize| {
+            let status = f32::from(map.status[pixel] as u8);
+            match map.answer(pixel) {
+                Some([u, v]) => [u as f32, v as f32, status, 1.0],
+                None => [0.0, 0.0, status, 0.0],
+            }
+        };
+        (0..map.uv.len()).flat_map(pixel).collect()
     }
 
     /// The light that the display must emit to show a picture.
@@ -102,7 +105,7 @@ impl Solution {
         self.compensation.map()
     }
 
-    pub(crate) fn setup(&self) -> &Setup {
+    fn setup(&self) -> &Setup {
         self.compensation.setup()
     }
 
@@ -111,20 +114,9 @@ impl Solution {
         match even {
             false => self.compensation.display(picture).display,
             true => {
-                let options = Options::new().gain(Some(Overflow::Fit));
-                Compensation::of(self.setup(), &options, &()).display(picture).display
+                let even = self.compensation.clone().with_gain(Overflow::Fit, &());
+                even.display(picture).display
             }
         }
     }
-}
-
-fn pixels(map: &Map) -> Vec<f32> {
-    let pixel = |pixel: usize| {
-        let status = f32::from(map.status[pixel] as u8);
-        match map.answer(pixel) {
-            Some([u, v]) => [u as f32, v as f32, status, 1.0],
-            None => [0.0, 0.0, status, 0.0],
-        }
-    };
-    (0..map.uv.len()).flat_map(pixel).collect()
 }

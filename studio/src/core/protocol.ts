@@ -22,7 +22,8 @@ export type Goods =
   | { what: "report" };
 
 export type Request =
-  | { kind: "open"; text: string; name: string; files: NamedBytes[] }
+  /** `views`: whether map, views and findings are shown of it, or the light source's display image alone. */
+  | { kind: "open"; text: string; name: string; files: NamedBytes[]; views: boolean }
   | { kind: "change"; edits: Edit[]; live: boolean }
   | { kind: "eye"; eye: Vector | null; live: boolean }
   | { kind: "picture"; name: string; bytes: Uint8Array }
@@ -69,7 +70,6 @@ export type Reply =
   | { kind: "ready"; schema: Schema; catalogue: Catalogue }
   | { kind: "scene"; text: string; layout: Layout; drawn: Drawn[]; rays: RayLines; values: Record<string, Value>; live: boolean }
   | { kind: "map"; warp: Warp; counts: Counts; bound: number; coarse: boolean; time: number }
-  | { kind: "plain"; warp: Warp }
   | { kind: "view"; seen: Seen; view: Pixels; live: boolean }
   | { kind: "check"; check: Check }
   | { kind: "picture"; picture: Pixels; name: string }

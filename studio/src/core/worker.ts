@@ -25,6 +25,7 @@ let small: Still | undefined;
 let eye: Vector | null = null;
 let watched: string[] = [];
 let layer: Layer | null = null;
+let viewed = true;
 let newest = 0;
 
 /** The picture of `midair demo`, until there is another. */
@@ -166,7 +167,7 @@ async function look(id: number) {
 /** What is shown of light besides the picture. */
 function tellLayer(id: number) {
   if (!layer || !scene) return;
-  const rgba = layer === "brightness" ? scene.brightness(LAYER) : scene.stray(LAYER);
+  const rgba = layer === "brightness" ? scene.brightness(LAYER) : scene.stray((solution ??= scene.solve(undefined)), LAYER);
   tellView(id, layer, scene, LAYER, rgba, false);
 }
 
@@ -187,9 +188,6 @@ async function views(id: number) {
     if (!shown(seen)) return;
     await pause();
   }
-  if (stale()) return;
-  const pixels = solution!.uncompensated_pixels() as Float32Array<ArrayBuffer>;
-  tell(id, { kind: "plain", warp: { width: solution!.width, height: solution!.height, pixels } }, [pixels.buffer]);
 }
 
 function take(goods: Goods): NamedBytes[] {
@@ -224,7 +222,9 @@ async function answer(id: number, request: Request) {
       show(Scene.read(request.text, request.name, files), false);
       solution?.free();
       solution = undefined;
+      viewed = request.views;
       tellScene(id, scene!, false);
+      if (!viewed) return;
       glance(id, scene!);
       return look(id);
     }
@@ -252,7 +252,7 @@ async function answer(id: number, request: Request) {
       small?.free();
       [picture, small] = read;
       tellPicture(id, request.name);
-      return scene && solution ? views(id) : undefined;
+      return viewed && scene && solution ? views(id) : undefined;
     }
     case "watch": {
       watched = request.keys;

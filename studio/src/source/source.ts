@@ -55,7 +55,7 @@ async function begin(catalogue: Catalogue) {
   if (given === null) problem(`${word("badLink")} ${word("badLinkRemedy")}`);
   const text = given ?? FIRST.text;
   by<HTMLAnchorElement>("back").href = `./${location.hash}`;
-  core.send({ kind: "open", text, name: "scene.toml", files: await filesOf(text) });
+  core.send({ kind: "open", text, name: "scene.toml", files: await filesOf(text), views: false });
   core.send({ kind: "source", even: false });
 }
 

@@ -176,15 +176,19 @@ fn gain_picture(gain: &Gain) -> Picture {
 
 /// The white field before and after, each over its brightest, stretched alike; black where nothing is seen.
 fn fields([plain, even]: &[Picture; 2]) -> [Picture; 2] {
-    let [least, most] = range(plain);
-    let least = if least.is_finite() { least / most } else { 0.0 };
+    let least = least_share(plain);
     [plain, even].map(|view| toned(view, least))
 }
 
 /// A view of a white field over its brightest, stretched so that its least and its largest light differ; black where nothing is seen.
 pub fn field_picture(view: &Picture) -> Picture {
+    toned(view, least_share(view))
+}
+
+/// The least light over the largest; 0 where nothing is seen.
+fn least_share(view: &Picture) -> f32 {
     let [least, most] = range(view);
-    toned(view, if least.is_finite() { least / most } else { 0.0 })
+    if least.is_finite() { least / most } else { 0.0 }
 }
 
 /// The least and the largest light where something is seen.

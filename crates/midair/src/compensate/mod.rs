@@ -76,11 +76,18 @@ impl Compensation {
         };
         let solved: Vec<Solved> =
             setups.into_iter().map(|setup| Solved::make(setup, options.method, monitor)).collect();
-        let gains = options.gain.map(|overflow| {
-            monitor.stage("gain", 1);
-            (solved.iter().map(|solved| gain(&solved.setup, &solved.map)).collect(), overflow)
-        });
-        Self { solved, gains, method: options.method }
+        let plain = Self { solved, gains: None, method: options.method };
+        match options.gain {
+            Some(overflow) => plain.with_gain(overflow, monitor),
+            None => plain,
+        }
+    }
+
+    /// The same maps with their gains, which are divided out of what is shown.
+    pub fn with_gain(self, overflow: Overflow, monitor: &dyn Monitor) -> Self {
+        monitor.stage("gain", 1);
+        let gains = self.solved.iter().map(|solved| gain(&solved.setup, &solved.map)).collect();
+        Self { gains: Some((gains, overflow)), ..self }
     }
 
     /// The map that speaks for all: the one that there is, or green's.

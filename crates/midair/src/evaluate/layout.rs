@@ -20,6 +20,20 @@ pub enum Role {
     Opaque,
 }
 
+impl Role {
+    /// Its name in data.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Display => "display",
+            Self::Plate => "plate",
+            Self::Image => "image",
+            Self::Solid => "solid",
+            Self::Mirror => "mirror",
+            Self::Opaque => "opaque",
+        }
+    }
+}
+
 /// A thing in its place.
 #[derive(Clone, Debug)]
 pub struct Body {

@@ -8,7 +8,7 @@ use crate::transport::Setup;
 use serde::{Serialize, Serializer};
 
 /// Views of stray light show this much more than the image, along each side.
-const WINDOW: f64 = 4.0;
+pub const WINDOW: f64 = 4.0;
 /// Their width and height in pixels.
 const PIXELS: usize = 384;
 /// Places of the image that are looked at.
