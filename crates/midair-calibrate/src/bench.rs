@@ -1,6 +1,7 @@
 //! The bench file: what was photographed, what was assumed, and how sure one is of it.
 
 use crate::camera::Lens;
+use crate::storage;
 use midair::Error;
 use midair::map::format::FileError;
 use midair::scene::form::{self, Block, Fields, Kind, Need, block, optional, required};
@@ -9,10 +10,17 @@ use std::path::{Path, PathBuf};
 
 const BEYOND: f64 = 1e6;
 
-static CAMERA: Block = block(
-    "camera",
-    "The camera's lens, the same in all views, by OpenCV's model. Left out, it is found from the empty photographs of three views or more.",
-    &[
+static CAMERA: Block = Block {
+    name: "camera",
+    about: "The camera's lens, the same in all views, by OpenCV's model. Left out, it is found from the empty photographs of three views or more.",
+    keys: &[
+        optional(
+            "file",
+            Kind::File,
+            None,
+            Need::Optional,
+            "What cv2.FileStorage wrote of cv2.calibrateCamera (YAML, XML or JSON), in the place of focal, centre and distortion.",
+        ),
         optional(
             "size",
             Kind::Integers(2, 1, 100_000),
@@ -20,11 +28,18 @@ static CAMERA: Block = block(
             Need::Optional,
             "Width and height of its photographs.",
         ),
-        required("focal", Kind::Numbers(2, 1.0, BEYOND), Some("px"), "Focal lengths fx and fy."),
-        required(
+        optional(
+            "focal",
+            Kind::Numbers(2, 1.0, BEYOND),
+            Some("px"),
+            Need::Optional,
+            "Focal lengths fx and fy.",
+        ),
+        optional(
             "centre",
             Kind::Numbers(2, -BEYOND, BEYOND),
             Some("px"),
+            Need::Optional,
             "Where the optical axis meets the photograph; pixel centres are at half-integers, so OpenCV's cx and cy plus 0.5.",
         ),
         optional(
@@ -35,7 +50,8 @@ static CAMERA: Block = block(
             "OpenCV's k1, k2, p1, p2 and k3.",
         ),
     ],
-);
+    exactly_one: &[&["file", "focal"], &["file", "centre"]],
+};
 
 static UNCERTAINTY: Block = block(
     "uncertainty",
@@ -254,13 +270,19 @@ impl Bench {
             size: given.number("size").unwrap_or(usual.size),
         });
         let camera = fields.block("camera");
-        let lens = camera.as_ref().and_then(|camera| {
+        let mut size = camera.as_ref().and_then(|camera| camera.sizes("size"));
+        let mut lens = camera.as_ref().and_then(|camera| {
             Some(Lens {
                 focal: camera.numbers("focal")?,
                 centre: camera.numbers("centre")?,
                 distortion: camera.numbers("distortion")?,
             })
         });
+        if let Some(file) = camera.as_ref().and_then(|camera| place(camera, "file")) {
+            let found = storage::load(&file)?;
+            lens = Some(found.lens);
+            size = size.or(found.size);
+        }
         if views.is_empty() {
             let help = "give a [[view]] for each place that was photographed from";
             return Err(text.error_at("view", "there is no view", help).into());
@@ -282,7 +304,7 @@ impl Bench {
         Ok(Self {
             scene: place(&fields, "scene").ok_or_else(unread)?,
             lens,
-            size: camera.and_then(|camera| camera.sizes("size")),
+            size,
             uncertainty,
             together,
             views,
@@ -339,6 +361,8 @@ object_points = "front.csv"
             ("object_points = \"front.csv\"\n", "", ["needs one of", "object"]),
             ("\"5 mm\"", "\"5 kg\"", ["position", "millimetres"]),
             ("[9870.0, 9870.0]", "9870.0", ["focal", "focal"]),
+            ("centre = [3000.0, 2000.0]\n", "", ["needs one of", "centre"]),
+            ("focal = [", "file = \"camera.yml\"\nfocal = [", ["file", "focal"]),
             ("\"front\"", "\"../front\"", ["cannot be a part of a file's name", "letters"]),
         ] {
             let told = told(&WHOLE.replace(from, to));

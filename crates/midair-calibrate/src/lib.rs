@@ -6,7 +6,7 @@
 //!
 //! - [`mod@bench`]: the file that says what was photographed, and what was assumed
 //! - [`correspondences`]: camera pixels and the display points that they see
-//! - [`camera`]: the lens by OpenCV's model, its place
+//! - [`camera`]: the lens by OpenCV's model, its place; [`storage`]: the same as OpenCV's programs write it
 //! - [`fit()`]: cameras and elements at once, and what is determined ([`Finding`])
 //! - [`page`], [`scene_file`]: the finding as a page and as a scene file
 
@@ -33,6 +33,7 @@ pub mod rehearsal;
 pub mod scene_file;
 mod solve;
 mod state;
+pub mod storage;
 pub mod stray;
 pub mod survey;
 

@@ -4,6 +4,7 @@ use midair::scene::load;
 use midair::transport::Setup;
 use midair_calibrate::camera::seen_at;
 use midair_calibrate::rehearsal::{camera, dice, lens, view};
+use midair_calibrate::storage::{self, Camera};
 use midair_calibrate::{Lens, SightedView, Sighting, standing_still, survey};
 use serde_json::{Value, json};
 use std::process::Command;
@@ -34,6 +35,38 @@ print(json.dumps(seen.reshape(-1, 2).tolist()))
 fn matrix(lens: &Lens) -> Value {
     let ([fx, fy], [cx, cy]) = (lens.focal, lens.centre);
     json!([[fx, 0.0, cx - HALF], [0.0, fy, cy - HALF], [0.0, 0.0, 1.0]])
+}
+
+const WRITE: &str = "
+import cv2, json, numpy, sys
+asked = json.load(open(sys.argv[1]))
+for name in asked['names']:
+    file = cv2.FileStorage(name, cv2.FILE_STORAGE_WRITE)
+    file.write('image_width', 3000)
+    file.write('image_height', 2000)
+    file.write('camera_matrix', numpy.array(asked['matrix']))
+    file.write('distortion_coefficients', numpy.array([asked['distortion']]))
+    file.release()
+print('null')
+";
+
+#[test]
+fn cameras_are_read_from_opencv_s_own_files() {
+    let Some(python) = midair_peers::python() else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let files = ["a.yml", "a.xml", "a.json", "a.yml.gz"].map(|name| folder.path().join(name));
+    let lens = Lens {
+        focal: [3200.125, 3180.0],
+        centre: [1500.5, 1010.25],
+        distortion: [-0.21, 0.12, 0.0007, -0.0011, -0.03],
+    };
+    let question =
+        json!({ "names": files, "matrix": matrix(&lens), "distortion": lens.distortion });
+    asked(&python, WRITE, &question);
+    for file in files {
+        let camera = storage::load(&file).expect("a camera");
+        assert_eq!(camera, Camera { lens, size: Some([3000, 2000]) }, "{}", file.display());
+    }
 }
 
 #[test]

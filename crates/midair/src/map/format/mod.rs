@@ -19,7 +19,7 @@ mod opencv;
 mod pair;
 mod png;
 mod stmap;
-mod storage;
+pub mod storage;
 
 pub use error::FileError;
 pub(crate) use error::io_remedy;

@@ -11,9 +11,12 @@ use std::path::Path;
 
 /// A matrix with its name.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Matrix {
+pub struct Matrix {
+    /// What it is called in the file.
     pub name: String,
+    /// Columns.
     pub width: usize,
+    /// Rows.
     pub height: usize,
     /// Numbers to an item.
     pub channels: usize,
@@ -25,8 +28,10 @@ pub(super) struct Matrix {
 
 /// What a file holds at its top: matrices, and whole numbers with their names.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Storage {
+pub struct Storage {
+    /// The matrices, in the file's order.
     pub matrices: Vec<Matrix>,
+    /// The whole numbers.
     pub numbers: Vec<(String, usize)>,
 }
 
@@ -48,8 +53,11 @@ struct Fields<'a> {
 
 const REMEDY: &str = "write it again with cv2.FileStorage";
 
-/// Reads a file's matrices.
-pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Storage, FileError> {
+/// Reads a file's matrices. `path` is its name, for messages.
+///
+/// # Errors
+/// [`FileError`] where the bytes are none of cv2.FileStorage's forms, or hold a matrix larger than maps are.
+pub fn parse(path: &Path, bytes: &[u8]) -> Result<Storage, FileError> {
     let unpacked;
     let bytes = if bytes.starts_with(&[0x1f, 0x8b]) {
         // A number of text takes up to 24 bytes, two of them a pixel's.
