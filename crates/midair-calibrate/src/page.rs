@@ -144,7 +144,7 @@ pub fn instructions(loaded: &Loaded, patterns: &Patterns) -> Page {
             Section {
                 heading: "Before".to_owned(),
                 blocks: vec![list(&[
-                    "Show the patterns full screen, one to one: no scaling, no smoothing, no night colours.",
+                    "Show the patterns full screen, one to one: no scaling, no smoothing, no night colours. midair play SCENE patterns does so, and with --shutter it runs the camera.",
                     "Switch the room's light off. Cover what shines.",
                     "Camera on a tripod, manual exposure, manual focus on the floating picture, fixed white balance, no stabiliser. A remote release or the self-timer.",
                     "Frame the floating picture large, all of it in the frame, both of its marked corners in view.",

@@ -3,6 +3,8 @@
 
 use crate::number::Numbers;
 use midair::optics::plate::Model;
+use midair::optics::screen::Screen;
+use midair::picture::{Picture, drive};
 use midair::transport::Setup;
 
 /// One of the patterns.
@@ -155,8 +157,16 @@ impl Patterns {
             .collect()
     }
 
-    /// The name of a pattern's file.
-    pub fn file_name(&self, pattern: usize) -> String {
+    /// A pattern as the display is sent it.
+    pub fn picture(&self, pattern: usize, screen: &Screen) -> Picture {
+        let [width, height] = self.resolution;
+        let light = self.drawn(pattern);
+        let pixels = light.into_iter().map(|light| [light, light, light, 1.0]).collect();
+        drive(&Picture { width, height, pixels }, screen).picture
+    }
+
+    /// The name of a pattern.
+    pub fn name(&self, pattern: usize) -> String {
         let what = match self.list[pattern] {
             Pattern::White => "white".to_owned(),
             Pattern::Black => "black".to_owned(),
@@ -166,7 +176,12 @@ impl Patterns {
             }
             Pattern::Phase { axis, step } => format!("phase-{}-{step}", ["s", "t"][axis]),
         };
-        format!("{:02}-{what}.png", pattern + 1)
+        format!("{:02}-{what}", pattern + 1)
+    }
+
+    /// The name of a pattern's file.
+    pub fn file_name(&self, pattern: usize) -> String {
+        format!("{}.png", self.name(pattern))
     }
 }
 

@@ -4,6 +4,9 @@
 //! ([`Show::take_job`]); a [`Solver`] makes them. It has neither threads nor a clock of its own, so that a test drives a whole show, and a
 //! browser can. For programs there are threads that feed it: a [`Player`] of frames at their times, [`listen`] for a tracker, [`start`] for
 //! the solver. They hand one another the newest of everything ([`Newest`]): a show never waits, it leaves out what was overtaken.
+//!
+//! [`Slides`] are pictures in the display's own pixels that follow one another, for a camera: by key, by time, or each when a command ([`release`]) has
+//! photographed the last.
 #![deny(missing_docs)]
 
 mod arrangement;
@@ -15,6 +18,8 @@ mod figures;
 mod lit;
 mod newest;
 mod show;
+mod shutter;
+mod slides;
 mod solver;
 mod source;
 mod spent;
@@ -29,6 +34,8 @@ pub use clock::{Clock, Pace};
 pub use command::{Command, KEYS, Wish};
 pub use newest::{Late, Newest};
 pub use show::{Picture, Settings, Show};
+pub use shutter::{NAME as PATTERN_NAME, release};
+pub use slides::{Act, GRACE, Slides, Turn};
 pub use solver::{Found, Job, Request, Settled, Solved, Solver, start};
 pub use source::{Frame, Player, SourceError, SourceKind};
 pub use spent::Spent;

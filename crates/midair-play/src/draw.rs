@@ -35,29 +35,43 @@ impl Screen {
     }
 }
 
+/// Opens a window of so many pixels on the screen of this number, or of the system's choice.
+pub(crate) fn open_window(
+    events: &ActiveEventLoop,
+    title: &str,
+    [width, height]: [usize; 2],
+    screen: Option<usize>,
+    fullscreen: bool,
+) -> Result<Arc<winit::window::Window>, PlayError> {
+    let wrong = |error: &dyn std::fmt::Display| PlayError::Window(error.to_string());
+    let mut attributes = winit::window::Window::default_attributes()
+        .with_title(title)
+        .with_inner_size(PhysicalSize::new(width as u32, height as u32));
+    let monitor = match screen {
+        None => None,
+        Some(asked) => match events.available_monitors().nth(asked) {
+            Some(monitor) => Some(monitor),
+            None => return Err(PlayError::Screen { asked, there: screens::there(events) }),
+        },
+    };
+    if let Some(monitor) = &monitor {
+        attributes = attributes.with_position(monitor.position());
+    }
+    if fullscreen {
+        attributes = attributes.with_fullscreen(Some(Fullscreen::Borderless(monitor)));
+    }
+    let window = events.create_window(attributes).map_err(|error| wrong(&error))?;
+    window.set_cursor_visible(!fullscreen);
+    Ok(Arc::new(window))
+}
+
 impl Window<'_> {
     pub fn open(&self, events: &ActiveEventLoop) -> Result<Screen, PlayError> {
-        let wrong = |error: &dyn std::fmt::Display| PlayError::Window(error.to_string());
         let scene = &self.show.loaded().scene;
-        let [width, height] = self.options.size.unwrap_or(scene.display.resolution);
-        let mut attributes = winit::window::Window::default_attributes()
-            .with_title(format!("midair: {}", scene.name))
-            .with_inner_size(PhysicalSize::new(width as u32, height as u32));
-        let monitor = match self.options.screen {
-            None => None,
-            Some(asked) => match events.available_monitors().nth(asked) {
-                Some(monitor) => Some(monitor),
-                None => return Err(PlayError::Screen { asked, there: screens::there(events) }),
-            },
-        };
-        if let Some(monitor) = &monitor {
-            attributes = attributes.with_position(monitor.position());
-        }
-        if self.options.fullscreen {
-            attributes = attributes.with_fullscreen(Some(Fullscreen::Borderless(monitor)));
-        }
-        let window = Arc::new(events.create_window(attributes).map_err(|error| wrong(&error))?);
-        window.set_cursor_visible(!self.options.fullscreen);
+        let size = self.options.size.unwrap_or(scene.display.resolution);
+        let title = format!("midair: {}", scene.name);
+        let (screen, fullscreen) = (self.options.screen, self.options.fullscreen);
+        let window = open_window(events, &title, size, screen, fullscreen)?;
         let presenter = present::open(&window, self.options.renderer)?;
         Ok(Screen { window, presenter })
     }

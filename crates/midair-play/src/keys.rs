@@ -40,3 +40,30 @@ pub(crate) fn command(key: &Key, modifiers: ModifiersState) -> Option<Command> {
         _ => None,
     }
 }
+
+/// What a key stands for where pictures follow one another.
+pub(crate) fn slide(key: &Key) -> Option<Slide> {
+    match key {
+        Key::Named(
+            NamedKey::Space
+            | NamedKey::Enter
+            | NamedKey::ArrowRight
+            | NamedKey::ArrowDown
+            | NamedKey::PageDown,
+        ) => Some(Slide::Next),
+        Key::Named(
+            NamedKey::Backspace | NamedKey::ArrowLeft | NamedKey::ArrowUp | NamedKey::PageUp,
+        ) => Some(Slide::Previous),
+        Key::Named(NamedKey::Escape) => Some(Slide::End),
+        Key::Character(character) if character.eq_ignore_ascii_case("q") => Some(Slide::End),
+        _ => None,
+    }
+}
+
+/// A wish where pictures follow one another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Slide {
+    Next,
+    Previous,
+    End,
+}

@@ -15,8 +15,10 @@ mod options;
 mod present;
 mod quiet;
 mod screens;
+mod slides;
 mod window;
 
 pub use options::{Options, Outcome, PlayError, Renderer};
 pub use screens::{ScreenInfo, screens};
+pub use slides::{Pictures, show_pictures};
 pub use window::run;

@@ -95,6 +95,31 @@ pub enum PlayError {
         /// Those that there are.
         there: Vec<ScreenInfo>,
     },
+    /// Pictures in the display's own pixels are not shown in others.
+    #[error(
+        "the window has {} x {} pixels, the display {} x {}: patterns are shown pixel by pixel, never scaled; choose the display's screen by --display (--list-displays lists them), set it to its own resolution and a scale of 100 %, or correct the scene's [display] resolution",
+        window[0], window[1], display[0], display[1]
+    )]
+    Pixels {
+        /// The window's, or the screen's.
+        window: [usize; 2],
+        /// The display's, by the scene.
+        display: [usize; 2],
+    },
+    /// The command that photographs a picture did not do so.
+    #[error(
+        "{picture}, {number} of {of}: {why}; try the command by itself, then begin again: patterns that were photographed twice do no harm"
+    )]
+    Shutter {
+        /// The picture's name.
+        picture: String,
+        /// Which it is, from 1.
+        number: usize,
+        /// Of how many.
+        of: usize,
+        /// What happened.
+        why: String,
+    },
 }
 
 fn listed(screens: &[ScreenInfo]) -> String {

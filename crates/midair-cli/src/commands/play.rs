@@ -1,4 +1,6 @@
-//! `midair play`: the live show.
+//! `midair play`: the live show, and the patterns that a camera photographs.
+
+mod patterns;
 
 use crate::arguments::{FitMode, GainMode, Point, Size, open_scene};
 use crate::failure::Failure;
@@ -26,18 +28,26 @@ use std::time::Duration;
     other-program | midair play scene.toml - --source-size 1280x720\n  \
     midair play scene.toml film.mp4 --gain soft\n  \
     midair play scene.toml one.mp4 two.mp4 logo.png --fit contain --sound --hours 09:00-18:00 --fullscreen\n  \
-    midair play scene.toml --bench --size 1920x1080")]
+    midair play scene.toml --bench --size 1920x1080\n  \
+    midair play scene.toml patterns --display 1\n  \
+    midair play scene.toml patterns --display 1 --shutter 'gphoto2 --capture-image-and-download --filename \"$MIDAIR_PATTERN.%C\"'")]
 pub struct Arguments {
     /// Scene file (TOML or JSON)
     #[arg(required_unless_present = "list_displays")]
     scene: Option<PathBuf>,
     /// A picture, a film, numbered pictures (frames/%04d.png), `lattice`, or - for raw RGBA frames on standard input; several are shown one after the
-    /// other, over and over
+    /// other, over and over. `patterns`: what `calibrate patterns` draws, full screen, uncompensated
     #[arg(default_value = "lattice", num_args = 1.., value_name = "SOURCE")]
     sources: Vec<String>,
-    /// Of several sources: how long a picture stands
-    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = crate::arguments::positive)]
-    each: f64,
+    /// Of several sources: how long a picture stands [default: 10]; of patterns: how long each stands [default: until a key]
+    #[arg(long, value_name = "SECONDS", value_parser = crate::arguments::positive)]
+    each: Option<f64>,
+    /// Of patterns: a command that photographs each, run by the shell; $MIDAIR_PATTERN is the pattern's name. If it fails the show ends
+    #[arg(long, value_name = "COMMAND", conflicts_with = "each")]
+    shutter: Option<String>,
+    /// With --shutter: how long a pattern stands before the command is run [default: 0.3]
+    #[arg(long, value_name = "SECONDS", requires = "shutter", value_parser = crate::arguments::positive)]
+    settle: Option<f64>,
     /// Play the sound of films, by ffplay; it follows the pictures to a few tenths of a second
     #[arg(long)]
     sound: bool,
@@ -142,10 +152,22 @@ impl FromStr for Track {
     }
 }
 
+/// Seconds that a picture stands, of several sources.
+const EACH: f64 = 10.0;
+
 const BENCH: Trial = Trial { packets: 300, rate: 60.0 };
 
 pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let Some(scene) = &arguments.scene else { return list_displays(voice) };
+    if patterns::are_meant(arguments) {
+        return patterns::run(scene, arguments, voice);
+    }
+    if arguments.shutter.is_some() {
+        return Err(Failure::new(
+            "--shutter photographs patterns",
+            "name them as the source: midair play SCENE patterns --shutter COMMAND",
+        ));
+    }
     let loaded = open_scene(scene, arguments.size)?;
     let source = match arguments.sources.as_slice() {
         [one] => source(one, arguments)?,
@@ -157,7 +179,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
                 ));
             }
             let kinds = several.iter().map(|one| source(one, arguments));
-            SourceKind::List(kinds.collect::<Result<_, _>>()?, arguments.each)
+            SourceKind::List(kinds.collect::<Result<_, _>>()?, arguments.each.unwrap_or(EACH))
         }
     };
     let options = Options {
@@ -262,7 +284,7 @@ fn source(name: &str, arguments: &Arguments) -> Result<SourceKind, Failure> {
                 _ if !path.exists() => {
                     return Err(Failure::new(
                         format!("{}: there is no such file", path.display()),
-                        "name a picture, a film, numbered pictures (frames/%04d.png), lattice, or -",
+                        "name a picture, a film, numbered pictures (frames/%04d.png), lattice, patterns, or -",
                     ));
                 }
                 _ if still => SourceKind::Still(path.to_owned()),

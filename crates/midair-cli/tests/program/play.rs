@@ -1,6 +1,7 @@
 //! `midair play` in a real window under Xvfb, with real UDP packets.
 
 mod gain;
+mod patterns;
 mod x_screen;
 
 use super::{BALL, Bench, set_up, waves};

@@ -7,7 +7,7 @@ use crate::letters::Letters;
 use crate::options::{PlayError, Renderer};
 use graphics::Graphics;
 use midair_live::{Clock, Picture};
-use processor::Processor;
+pub(crate) use processor::Processor;
 use std::sync::Arc;
 use std::time::Duration;
 use winit::window::Window;

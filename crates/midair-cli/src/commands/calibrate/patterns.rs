@@ -6,7 +6,7 @@ use crate::progress::Bar;
 use crate::summary::{Voice, paths};
 use midair::Monitor as _;
 use midair::files::{Output, write_bytes_atomically};
-use midair::picture::{Depth, Picture, drive, write_still};
+use midair::picture::{Depth, write_still};
 use midair::transport::Setup;
 use midair_calibrate::{Patterns, page};
 use serde_json::json;
@@ -15,7 +15,8 @@ use std::path::PathBuf;
 /// Draw the patterns to photograph, and a page that says how
 ///
 /// Gray code with each pattern's inverse, sinusoids, white and black: about 40 pictures in the display's own pixels. Show each full screen, without
-/// scaling, and photograph it from a tripod, first without the object, then with it. The order does not matter.
+/// scaling, and photograph it from a tripod, first without the object, then with it. The order does not matter. `midair play SCENE patterns` shows them,
+/// and runs the camera.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  midair calibrate patterns scene.toml --out patterns")]
 pub struct Arguments {
@@ -63,13 +64,10 @@ pub fn write_patterns(
     setup: &Setup,
     bar: &Bar,
 ) -> Result<(), Failure> {
-    let [width, height] = patterns.resolution;
     for pattern in 0..patterns.list.len() {
-        let light = patterns.drawn(pattern);
-        let pixels = light.into_iter().map(|light| [light, light, light, 1.0]).collect();
-        let driven = drive(&Picture { width, height, pixels }, &setup.screen);
+        let picture = patterns.picture(pattern, &setup.screen);
         let name = format!("{folder}{}", patterns.file_name(pattern));
-        output.write(&name, |path| write_still(path, &driven.picture, Depth::Eight))?;
+        output.write(&name, |path| write_still(path, &picture, Depth::Eight))?;
         bar.advance(1);
     }
     Ok(())

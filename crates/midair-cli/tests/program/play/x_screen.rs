@@ -56,17 +56,7 @@ impl XScreen {
             .args(["-root", "-silent", "-display", &self.name])
             .output()
             .unwrap();
-        let dump = output.stdout;
-        // The XWD header: big-endian words; its size, then among others depth, width, height, line length, colours.
-        let word =
-            |i: usize| u32::from_be_bytes(dump[4 * i..4 * i + 4].try_into().unwrap()) as usize;
-        let (line, start) = (word(12), word(0) + 12 * word(19));
-        assert_eq!((word(4), word(5), word(11)), (400, 300, 32));
-        let pixel = |x: usize, y: usize| {
-            let at = start + y * line + 4 * x;
-            [dump[at + 2], dump[at + 1], dump[at]]
-        };
-        (0..SIDE * SIDE).flat_map(|i| pixel(i % SIDE, i / SIDE)).collect()
+        pixels(&output.stdout)
     }
 
     /// Waits until the window shows this, within so many codes.
@@ -132,4 +122,17 @@ impl XScreen {
 pub(super) fn end(mut show: Child) {
     show.kill().unwrap();
     show.wait().unwrap();
+}
+
+/// The window's pixels in what xwd wrote of the screen.
+pub(super) fn pixels(dump: &[u8]) -> Vec<u8> {
+    // The XWD header: big-endian words; its size, then among others depth, width, height, line length, colours.
+    let word = |i: usize| u32::from_be_bytes(dump[4 * i..4 * i + 4].try_into().unwrap()) as usize;
+    let (line, start) = (word(12), word(0) + 12 * word(19));
+    assert_eq!((word(4), word(5), word(11)), (400, 300, 32));
+    let pixel = |x: usize, y: usize| {
+        let at = start + y * line + 4 * x;
+        [dump[at + 2], dump[at + 1], dump[at]]
+    };
+    (0..SIDE * SIDE).flat_map(|i| pixel(i % SIDE, i / SIDE)).collect()
 }
