@@ -4,6 +4,7 @@ use crate::advice::{Advice, advice};
 use crate::camera::Lens;
 use crate::cameras::ViewPoints;
 use crate::equations::Problem;
+use crate::moved;
 use crate::parameters::{Parameter, parameters, row_name, upright};
 use crate::solve::{Descent, covariance};
 use crate::state::State;
@@ -48,6 +49,8 @@ pub struct View {
     pub object: Used,
     /// Root mean square of the points with the object, display pixels.
     pub rms: f64,
+    /// The share of their squares that would go if the camera had stood elsewhere for them than for the empty photographs; 0 where that is chance.
+    pub apart: f64,
 }
 
 /// How the several starts ended.
@@ -146,6 +149,7 @@ impl Finding {
             }
             (used, root_of_mean(&squares))
         };
+        let apart = moved::shares(problem, &found);
         let told_views: Vec<View> = views
             .iter()
             .enumerate()
@@ -159,11 +163,13 @@ impl Finding {
                     empty: used(view, false).0,
                     object,
                     rms,
+                    apart: apart[view],
                 }
             })
             .collect();
         let (starts, mut notes) = starts(trials);
         notes.extend(told_views.iter().filter_map(edges));
+        notes.extend(told_views.iter().filter_map(moved::in_words));
         let advice = advice(problem, &found, &curvature, &covariance)?;
         let undetermined =
             parameters.iter().filter(|parameter| !parameter.determined).map(in_words).collect();

@@ -6,6 +6,7 @@ use crate::cameras::{self, ViewPoints};
 use crate::equations::{Problem, Shot};
 use crate::finding::Finding;
 use crate::freedom::{Free, bodies, freedoms};
+use crate::moved;
 use crate::solve::Descent;
 use crate::state::State;
 use midair::geometry::Frame;
@@ -111,6 +112,7 @@ pub fn fit(
     monitor.stage("fit", 1);
     let polished = all.descend(&best.state, &stop)?;
     let polished = all.settle(polished)?;
+    let state = polished.state.clone();
     let Some(finding) = Finding::new(&all, &start, polished, &trials, views)? else {
         return Err(Error::request(
             "the photographs do not tell all that is to be fitted",
@@ -120,6 +122,7 @@ pub fn fit(
     if stop() {
         return Err(Error::request("the fit was interrupted", "run it again"));
     }
+    moved::refuse(&few, &state, &finding.views, &stop)?;
     if !finding.converged || finding.residual.rms > NO_FIT {
         return Err(Error::request(
             format!(

@@ -22,6 +22,7 @@ mod finding;
 mod fit;
 mod freedom;
 pub mod model_free;
+mod moved;
 mod number;
 pub mod order;
 pub mod page;

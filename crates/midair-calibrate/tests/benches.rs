@@ -171,6 +171,10 @@ fn the_scene_is_found_and_its_deviations_mean_something() {
                 finding.residual.before, finding.starts, finding.rounds
             );
             of_kind.push(off);
+            // No camera moved, and none is said to have: a fifth is told.
+            for view in &finding.views {
+                assert!(view.apart < 0.05, "{name}: {view:?}");
+            }
             for parameter in finding.parameters.iter().filter(|p| p.determined) {
                 let real = truth(&parameter.name, &real, &cameras);
                 let off = (parameter.value - real).abs() / parameter.sigma;
@@ -328,4 +332,35 @@ fn what_cannot_be_fitted_is_refused_with_the_remedy() {
     let options = Options { fix: vec!["cube".to_owned()], ..options };
     let told = refused(&views, &options);
     assert!(told.contains("--free"), "{told}");
+}
+
+/// A camera that somebody moved by a millimetre between a view's two sets.
+#[test]
+fn a_camera_that_moved_between_the_two_sets_is_told() {
+    for bench in &BENCHES {
+        let mut draw = fastrand::Rng::with_seed(11);
+        let assumed = loaded(bench.scene);
+        let together = owned(bench.together);
+        let real = disturbed(&assumed, &Uncertainty::default(), &together, &[], &mut draw)
+            .expect("known names");
+        let setup = Setup::new(&real).expect("it can be traced");
+        let mut views = photographed(&setup, NOISE, &mut draw);
+        let mut elsewhere = camera(&setup, 14.0, 3.0);
+        elsewhere.origin = elsewhere.origin + midair::geometry::Vec3::new(0.6, 0.6, 0.52);
+        let again = view("right", &setup, &elsewhere, &lens(&setup), COUNT, NOISE, &mut draw);
+        views[1].object = again.object;
+        let options =
+            Options { lens: Some(lens(&setup)), together, starts: 3, ..Options::default() };
+        match fit(&assumed, &views, &options, &()) {
+            Err(error) => {
+                let told = format!("{error} | {}", error.remedy().unwrap_or_default());
+                assert!(told.contains("`right`") && told.contains("both sets"), "{told}");
+            }
+            // What the object's place can make good in part is a note.
+            Ok(finding) => {
+                let told = finding.notes.iter().any(|note| note.contains("touched in between"));
+                assert!(told, "{}: {:?}", bench.scene, finding.views);
+            }
+        }
+    }
 }
