@@ -34,7 +34,7 @@ pub use clock::{Clock, Pace};
 pub use command::{Command, KEYS, Wish};
 pub use newest::{Late, Newest};
 pub use show::{Picture, Settings, Show};
-pub use shutter::{NAME as PATTERN_NAME, release};
+pub use shutter::release;
 pub use slides::{Act, GRACE, Slides, Turn};
 pub use solver::{Found, Job, Request, Settled, Solved, Solver, start};
 pub use source::{Frame, Player, SourceError, SourceKind};

@@ -3,7 +3,7 @@
 use std::process::{Command, Stdio};
 
 /// What a command is told of the picture that it photographs: its name, without a file's ending.
-pub const NAME: &str = "MIDAIR_PATTERN";
+const NAME: &str = "MIDAIR_PATTERN";
 
 /// Runs a command line by the system's shell on a thread of its own, with a picture's name in its environment. `done` is told whether it ended well, and
 /// else why not. What the command writes goes to standard error: standard output is ours.

@@ -1,6 +1,8 @@
 //! The paper's layout: its table 1 (likeness), figure 7 (displacement over azimuth) and figure 8 (picture strips), its figures
 //! beside ours. Nothing is measured here: what was measured is set into tables and charts.
 
+mod ways;
+
 use crate::page::{
     Block, Cell, Figure, Image, LineChart, Page, Section, Series, SummaryRow, Table,
 };
@@ -250,6 +252,7 @@ pub fn paper_page(evaluation: &Evaluation, strips: &[Figure], colophon: &str) ->
         .iter()
         .map(|shape| Block::Table(shape_table(shape, evaluation.published)));
     section("Shape: the lattice over azimuth", charts.into_iter().chain(tables).collect());
+    section("Other ways to fill the display", ways::blocks(&evaluation.ways));
     let tables = surfaces(&evaluation.quality).into_iter();
     section(
         "Likeness of the views",

@@ -3,7 +3,7 @@
 
 use crate::camera::{Lens, pixel_ray};
 use crate::patterns::Patterns;
-use crate::rehearsal::normal;
+use crate::rehearsal::{lens, normal};
 use crate::stray::at_plate;
 use image::codecs::jpeg::JpegEncoder;
 use midair::geometry::{Frame, Ray};
@@ -58,6 +58,19 @@ pub struct Truth {
 const EVENLY: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
 
 impl Film {
+    /// A camera with photographs of so many columns, 3 : 2, that sees the image over half of their width from the viewpoint's distance.
+    pub fn over_image(setup: &Setup, width: usize) -> Self {
+        let full = lens(setup);
+        // Of a lens for 6000 columns.
+        let scale = width as f64 / 6000.0;
+        let lens = Lens {
+            focal: full.focal.map(|f| f * scale),
+            centre: full.centre.map(|c| c * scale),
+            ..full
+        };
+        Self { size: [width, width * 2 / 3], lens, rays: 3, photons: 20_000.0, quality: 92 }
+    }
+
     /// The set-up's patterns as the camera at a place photographs them: a JPEG file for each, and what each pixel really sees.
     pub fn shoot(
         &self,

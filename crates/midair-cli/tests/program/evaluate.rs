@@ -107,3 +107,52 @@ fn a_scene_of_ones_own_is_evaluated_at_the_azimuths_that_are_asked_for_and_gone_
     let resumed = [&arguments[..], &["--resume"]].concat();
     assert!(bench.refuse(&resumed).contains("nothing to go on with"));
 }
+
+#[test]
+fn other_ways_to_fill_the_display_stand_beside_the_exact_map() {
+    let bench = Bench::new();
+    std::fs::create_dir(bench.path("photos")).unwrap();
+    write_still(&bench.path("photos/a.png"), &waves(200, 200), Depth::Eight).unwrap();
+    let text = std::fs::read_to_string(scene("paper/cube.toml")).unwrap();
+    let text = text.replace("resolution = [1024, 1024]", "resolution = [256, 256]");
+    bench.write("cube.toml", text);
+    let told = bench.json(&[
+        "evaluate",
+        "cube.toml",
+        "--images",
+        "photos",
+        "--out",
+        "out",
+        "--quick",
+        "--spp",
+        "4",
+        "--azimuths",
+        "0",
+        "--plate",
+        "slit-mirror",
+        "--compare",
+    ]);
+    let ways = told["ways"][0]["ways"].as_array().unwrap();
+    let of = |name: &str, key: &str| {
+        let way = ways.iter().find(|way| way["name"].as_str().unwrap().starts_with(name));
+        way.unwrap_or_else(|| panic!("{name}: {told}"))[key].as_f64().unwrap()
+    };
+    // The slab's shift in closed form: 4.7 mm of 16.8 pixels. It is nearly the same everywhere, so that a homography makes it good.
+    let t = 50.0
+        * (15.8f64.to_radians().sin()
+            - 15.8f64.to_radians().cos() * (15.8f64.to_radians().sin() / 1.49).asin().tan());
+    let as_is = of("as it is", "displacement");
+    assert!((as_is / (16.8 * t) - 1.0).abs() < 0.06, "{as_is} {t}");
+    assert!(of("homography", "displacement") < 0.05 * as_is);
+    // Structured light: within half a display pixel, of 256 over the display.
+    let display = told["ways"][0]["intersections"].as_u64().unwrap();
+    assert!(display > 20 && of("structured light", "displacement") < 0.05 * as_is, "{told}");
+    assert!(of("exact map", "displacement") < of("the paper's samples", "displacement"));
+    assert!(of("exact map", "displacement") < 0.1);
+    assert!(of("exact map", "ssim") > of("as it is", "ssim"));
+    assert!(of("best display image", "psnr") >= of("exact map", "psnr") - 0.01);
+    let csv = std::fs::read_to_string(bench.path("out/ways.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 1 + ways.len(), "{csv}");
+    let page = std::fs::read_to_string(bench.path("out/report.html")).unwrap();
+    assert!(page.contains("Other ways to fill the display") && page.contains("differentiable"));
+}

@@ -12,7 +12,7 @@ use midair::scene::{Format, InMemory, Loaded, SceneEdit, load_text};
 use midair::transport::Setup;
 use midair_calibrate::bench::Bench;
 use midair_calibrate::rehearsal::film::Film;
-use midair_calibrate::rehearsal::{Displacement, camera, displacement, disturbed, lens};
+use midair_calibrate::rehearsal::{Displacement, camera, displacement, disturbed};
 use midair_calibrate::{
     Options, Patterns, SightedView, Sighting, Uncertainty, fit, survey, without_elements,
 };
@@ -54,7 +54,7 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     let uncertainty = Uncertainty::default();
     let real = disturbed(&still(&assumed), &uncertainty, &[], &[], &mut draw)?;
     let (setup, patterns) = (Setup::new(&real)?, Patterns::of(&Setup::new(&assumed)?));
-    let film = film(&setup, arguments.width);
+    let film = Film::over_image(&setup, arguments.width as usize);
     output.write(name, |path| write_bytes_atomically(path, text.as_bytes()))?;
 
     let bar = Bar::new();
@@ -145,20 +145,6 @@ fn assumed(arguments: &Arguments) -> Result<(Loaded, String, &'static str), Fail
 /// The scene with its display's place said: what is moved is the object, not the display.
 fn still(loaded: &Loaded) -> Loaded {
     midair_calibrate::standing_still(loaded)
-}
-
-/// A camera that sees the image over half of its width.
-fn film(setup: &Setup, width: u32) -> Film {
-    let width = width as usize;
-    let size = [width, width * 2 / 3];
-    let full = lens(setup);
-    let scale = width as f64 / 6000.0;
-    let lens = midair_calibrate::Lens {
-        focal: full.focal.map(|f| f * scale),
-        centre: full.centre.map(|c| c * scale),
-        ..full
-    };
-    Film { size, lens, rays: 3, photons: 20_000.0, quality: 92 }
 }
 
 /// Photographs all views, writes them in an order that nobody knows, and decodes them from the files.

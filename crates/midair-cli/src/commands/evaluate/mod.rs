@@ -4,6 +4,7 @@ mod pictures;
 mod pieces;
 mod subjects;
 mod tables;
+mod ways;
 mod words;
 
 use crate::failure::Failure;
@@ -33,7 +34,7 @@ use subjects::{Subjects, photographs};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
     midair evaluate scene.toml --images photos --out evaluation --azimuths -15:15:5\n  \
-    midair evaluate --paper --images photos --out evaluation --quick")]
+    midair evaluate --paper --images photos --out evaluation --quick --compare")]
 pub struct Arguments {
     /// Scene file (TOML or JSON)
     #[arg(required_unless_present = "paper", conflicts_with = "paper")]
@@ -68,6 +69,11 @@ pub struct Arguments {
     /// Three photographs, three azimuths and small views: minutes become seconds
     #[arg(long)]
     quick: bool,
+    /// Set other ways to fill the display beside the exact map: as it is, a homography, structured light, the paper's samples, the best display image
+    ///
+    /// Displacement, similarity and time of each, on every surface; about a minute for each. ways.csv has the figures.
+    #[arg(long)]
+    compare: bool,
     /// Continue an interrupted run of the same command
     #[arg(long)]
     resume: bool,
@@ -222,6 +228,12 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
             evaluation.quality.push(row);
         }
     }
+    if arguments.compare {
+        let columns = if arguments.quick { 1200 } else { 2400 };
+        let (subjects, photographs, settings) = (&subjects, &photographs[..], &settings);
+        let ground = ways::Ground { subjects, photographs, settings, columns };
+        evaluation.ways = ways::compare(&ground, &pieces, &bar, &mut notes)?;
+    }
     bar.finish();
     let seconds = start.elapsed().as_secs_f64();
     evaluation.assumptions = words::assumptions(arguments, &subjects, &settings, &exposures);
@@ -258,6 +270,9 @@ pub fn run(arguments: &Arguments, voice: Voice) -> Result<(), Failure> {
     text("report.json", format!("{told:#}\n"))?;
     text("likeness.csv", evaluation.likeness_csv())?;
     text("displacement.csv", evaluation.displacement_csv())?;
+    if arguments.compare {
+        text("ways.csv", evaluation.ways_csv())?;
+    }
     let page = paper_page(&evaluation, &strips, &colophon);
     pieces.write("report.html", |path| page.write_atomically(path))?;
     let files = pieces.finish()?;

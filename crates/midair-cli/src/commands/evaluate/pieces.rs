@@ -4,6 +4,7 @@ use super::Arguments;
 use crate::failure::Failure;
 use crate::output::keep_for_folder;
 use midair::evaluate::paper::{Photograph, Quality, Settings, Shape};
+use midair::evaluate::proof::Comparison;
 use midair::files::{Kept, write_bytes_atomically};
 use midair::map::format::FileError;
 use serde_json::json;
@@ -75,6 +76,19 @@ impl Pieces {
         self.keep(&name, &(row, exposure))
     }
 
+    /// The ways to fill a surface's display, and what is to be said of them, if they were compared before.
+    pub fn ways(&self, surface: &str) -> Option<(Comparison, Option<String>)> {
+        self.known(&format!("ways-{}.json", key(surface)))
+    }
+
+    pub fn keep_ways(
+        &self,
+        surface: &str,
+        found: &(Comparison, Option<String>),
+    ) -> Result<(), Failure> {
+        self.keep(&format!("ways-{}.json", key(surface)), found)
+    }
+
     fn known<T: serde::de::DeserializeOwned>(&self, name: &str) -> Option<T> {
         let text = std::fs::read_to_string(self.kept.path(name)).ok()?;
         serde_json::from_str(&text).ok()
@@ -122,6 +136,7 @@ fn description(
         "images": arguments.images,
         "files": format!("{:016x}", hasher.finish()),
         "plate": format!("{:?}", arguments.plate),
+        "compare": arguments.compare,
         "settings": format!("{settings:?}"),
         "lpips": lpips,
     })

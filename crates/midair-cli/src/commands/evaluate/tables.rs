@@ -4,10 +4,6 @@ use midair::evaluate::paper::{PUBLISHED_DISPLACEMENT, PUBLISHED_QUALITY, Scores}
 
 /// Means for people, the paper's beside them if it is the paper's set-ups.
 pub fn lines(told: &serde_json::Value, paper: bool) -> String {
-    let show = |value: &serde_json::Value, decimals: usize| match value.as_f64() {
-        Some(value) => format!("{value:.decimals$}"),
-        None => "-".to_owned(),
-    };
     let surface = |value: &serde_json::Value| value["surface"].as_str().unwrap_or("").to_owned();
     let beside = if paper { "paper: with, without" } else { "" };
     let mut lines = format!(
@@ -64,5 +60,28 @@ pub fn lines(told: &serde_json::Value, paper: bool) -> String {
             lines += &format!("  {name:22}{with:>14}{without:>10}{paper:>22}{floor:>14}\n");
         }
     }
+    lines + &ways(told)
+}
+
+/// The ways to fill the display, if they were compared.
+fn ways(told: &serde_json::Value) -> String {
+    let mut lines = String::new();
+    for one in told["ways"].as_array().into_iter().flatten() {
+        let name = format!("ways, {}", one["surface"].as_str().unwrap_or(""));
+        lines += &format!("{name:38}{:>14}{:>10}{:>10}\n", "displaced, px", "SSIM", "time, s");
+        for way in one["ways"].as_array().into_iter().flatten() {
+            let name = way["name"].as_str().unwrap_or("");
+            let [displaced, ssim, seconds] = [("displacement", 3), ("ssim", 4), ("seconds", 3)]
+                .map(|(key, decimals)| show(&way[key], decimals));
+            lines += &format!("  {name:36}{displaced:>14}{ssim:>10}{seconds:>10}\n");
+        }
+    }
     lines
+}
+
+fn show(value: &serde_json::Value, decimals: usize) -> String {
+    match value.as_f64() {
+        Some(value) => format!("{value:.decimals$}"),
+        None => "-".to_owned(),
+    }
 }

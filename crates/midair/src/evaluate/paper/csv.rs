@@ -43,12 +43,38 @@ impl Evaluation {
         }
         table.finish()
     }
+
+    /// Ways to fill the display, a row for each on each surface.
+    pub fn ways_csv(&self) -> String {
+        let head = [
+            "surface",
+            "way",
+            "displacement",
+            "largest",
+            "intersections",
+            "ssim",
+            "psnr",
+            "seconds",
+        ];
+        let mut table = Table::new(head.map(str::to_owned).into());
+        for comparison in &self.ways {
+            for way in &comparison.ways {
+                let mut fields = vec![comparison.surface.clone(), way.name.clone()];
+                fields.extend([way.displacement, way.largest].map(number));
+                fields.push(way.intersections.to_string());
+                fields.extend([way.ssim, way.psnr, Some(way.seconds)].map(number));
+                table.row(fields);
+            }
+        }
+        table.finish()
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::evaluation::{Quality, Scores, Shape, ShapeView};
     use super::*;
+    use crate::evaluate::proof::{Compared, Comparison};
 
     #[test]
     fn every_row_has_as_many_fields_as_the_head() {
@@ -78,6 +104,18 @@ mod tests {
         let displacement = evaluation.displacement_csv();
         let lines: Vec<&str> = displacement.lines().collect();
         assert_eq!(lines[1], "cube,-5,0.125,,,,,,,,,0,0");
+        assert_eq!(lines[0].split(',').count(), lines[1].split(',').count());
+        let way = Compared {
+            name: "as it is".to_owned(),
+            displacement: Some(78.5),
+            intersections: 49,
+            ..Compared::default()
+        };
+        let comparison =
+            Comparison { surface: "cube".to_owned(), ways: vec![way], ..Comparison::default() };
+        let ways = Evaluation { ways: vec![comparison], ..Evaluation::default() }.ways_csv();
+        let lines: Vec<&str> = ways.lines().collect();
+        assert_eq!(lines[1], "cube,as it is,78.5,,49,,,0");
         assert_eq!(lines[0].split(',').count(), lines[1].split(',').count());
     }
 }

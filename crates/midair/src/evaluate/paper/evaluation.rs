@@ -1,5 +1,6 @@
 //! What the paper's evaluation yields, as data: likeness of views, displacement over azimuth, the paper's own figures beside.
 
+use crate::evaluate::proof::Comparison;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -217,6 +218,8 @@ pub struct Evaluation {
     pub quality: Vec<Quality>,
     /// Figure 7, a surface each.
     pub shapes: Vec<Shape>,
+    /// Ways to fill the display, a surface each, if they were compared.
+    pub ways: Vec<Comparison>,
     /// What was assumed: camera distance, aperture, crop, exposure.
     pub assumptions: Vec<String>,
     /// Where ours differ from the paper's, and why.
@@ -226,7 +229,7 @@ pub struct Evaluation {
 }
 
 impl Evaluation {
-    /// The numbers as JSON: `quality`, `shapes`, `published`, `assumptions`, `differences`.
+    /// The numbers as JSON: `quality`, `shapes`, `published`, `assumptions`, `differences`; `ways` if they were compared.
     pub fn to_json(&self) -> Value {
         let scores = |scores: &Scores| {
             json!({
@@ -286,6 +289,9 @@ impl Evaluation {
             "differences": self.differences,
             "notes": self.notes,
         });
+        if !self.ways.is_empty() {
+            told["ways"] = json!(self.ways);
+        }
         if self.published {
             told["published"] = json!({
                 "quality": published_quality.collect::<Vec<_>>(),

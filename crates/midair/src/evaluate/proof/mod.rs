@@ -2,16 +2,19 @@
 //!
 //! One picture and one lattice go three ways through the forward simulator: shown compensated, shown as they are
 //! (uncompensated), and shown with no object in the way (the reference). The lattice tells shape, the picture likeness. Beside the
-//! map's plain filter stand the averaged scatter, the best display image, and the paper's own map by splatting.
+//! map's plain filter stand the averaged scatter, the best display image, and the paper's own map by splatting. [`compare_ways`] sets ways to fill the display
+//! side by side on several pictures, maps by others among them.
 
 mod baseline;
 pub(super) mod displacement;
 mod likeness;
 mod told;
+mod ways;
 
 pub use baseline::Baseline;
 pub use displacement::Shape;
 pub use likeness::{Likeness, Region};
+pub use ways::{Compared, Comparison, Way, WaySettings, compare_ways};
 
 use crate::Monitor;
 use crate::clock::{Laps, Stopwatch};
