@@ -1,8 +1,7 @@
 //! The image side of the map: which image points can be formed, and why the others cannot.
 
 use super::{Map, Status, pixel_at, pixel_centre};
-use crate::transport::{End, Path, Setup, on_display};
-use rayon::prelude::*;
+use crate::transport::{End, Setup, on_display};
 use std::collections::HashMap;
 
 /// What becomes of an image point.
@@ -42,19 +41,14 @@ pub struct Formation {
 
 /// Follows the path of each image point of a `width` x `height` grid. `map` is the set-up's: it knows what folds.
 pub fn formation(setup: &Setup, map: &Map, [width, height]: [usize; 2]) -> Formation {
-    let followed: Vec<(ImagePoint, Option<[f64; 2]>)> = (0..width * height)
-        .into_par_iter()
-        .with_min_len(width)
-        .map_init(Path::new, |path, index| {
-            let end =
-                setup.transport(pixel_centre(index % width, index / width, width, height), path);
-            let through = match end {
-                End::Display { st, through_plate: true } => Some(st),
-                _ => None,
-            };
-            (classify(end, map), through)
-        })
-        .collect();
+    let centre = |index| pixel_centre(index % width, index / width, width, height);
+    let followed = setup.each_end(width * height, centre, (ImagePoint::Formed, None), |end| {
+        let through = match end {
+            End::Display { st, through_plate: true } => Some(st),
+            _ => None,
+        };
+        (classify(end, map), through)
+    });
     let wanted = reach(followed.iter().filter_map(|(_, st)| *st));
     let points = followed.into_iter().map(|(point, _)| point).collect();
     Formation { width, height, points, wanted }

@@ -2,8 +2,7 @@
 
 use super::formation::{ImagePoint, classify};
 use super::{Map, Status, pixel_centre};
-use crate::transport::{Path, Setup};
-use rayon::prelude::*;
+use crate::transport::Setup;
 
 /// F at the pixel centres of an image of `width` x `height` pixels, by the transport itself: where G says which image point a
 /// display pixel shows, this says which display point an image pixel is shown by. Its `uv` are display
@@ -14,21 +13,18 @@ use rayon::prelude::*;
 /// form it), and `Blocked` where something on the way ends it: the plate's edge or back, total internal reflection, too
 /// many interactions. The error bound is 0: nothing is approximated.
 pub fn forward(setup: &Setup, map: &Map, [width, height]: [usize; 2]) -> Map {
-    let (uv, status) = (0..width * height)
-        .into_par_iter()
-        .with_min_len(width.max(1))
-        .map_init(Path::new, |path, index| {
-            let end =
-                setup.transport(pixel_centre(index % width, index / width, width, height), path);
-            match classify(end, map) {
-                ImagePoint::Formed => (end.formed(), Status::Ok),
-                ImagePoint::Folded => (end.formed(), Status::Folded),
-                ImagePoint::MissedDisplay => (None, Status::Outside),
-                _ => (None, Status::Blocked),
-            }
-        })
-        .map(|(st, status)| (st.unwrap_or([f64::NAN; 2]), status))
-        .unzip();
+    let centre = |index| pixel_centre(index % width, index / width, width, height);
+    let nowhere = [f64::NAN; 2];
+    let points = setup.each_end(width * height, centre, (nowhere, Status::Blocked), |end| {
+        let (st, status) = match classify(end, map) {
+            ImagePoint::Formed => (end.formed(), Status::Ok),
+            ImagePoint::Folded => (end.formed(), Status::Folded),
+            ImagePoint::MissedDisplay => (None, Status::Outside),
+            _ => (None, Status::Blocked),
+        };
+        (st.unwrap_or(nowhere), status)
+    });
+    let (uv, status) = points.into_iter().unzip();
     Map { width, height, uv, status, error_bound: 0.0 }
 }
 

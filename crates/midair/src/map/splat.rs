@@ -1,7 +1,7 @@
 //! The paper's own method, kept for comparison: shoot many samples through each view pixel and keep what lands.
 
 use super::{Map, Status, pixel_at};
-use crate::transport::{Path, Setup};
+use crate::transport::{Packets, Setup};
 use rayon::prelude::*;
 
 /// A map by scattered samples.
@@ -27,6 +27,9 @@ impl Splat {
     }
 }
 
+/// Samples that are followed together.
+const AT_ONCE: usize = 4096;
+
 /// Shoots `spp` random samples through each of as many view pixels as the display has, from the viewpoint.
 ///
 /// `progress` is called with a number of view rows whenever they are done.
@@ -38,21 +41,24 @@ pub fn splat(setup: &Setup, spp: usize, progress: &(dyn Fn(usize) + Sync)) -> Sp
         .map(|thread| {
             let mut sums = vec![[0.0f64; 3]; width * height];
             let mut random = fastrand::Rng::with_seed(thread as u64);
-            let mut path = Path::new();
+            let mut packets = Packets::new(setup, setup.viewpoint);
+            let mut samples = vec![[0.0; 2]; AT_ONCE.min(width * spp)];
             for row in (thread..height).step_by(threads) {
-                for column in 0..width {
-                    for _ in 0..spp {
-                        let uv = [
-                            (column as f64 + random.f64()) / width as f64,
+                let mut in_row = 0..width * spp;
+                while !in_row.is_empty() {
+                    let count = in_row.len().min(AT_ONCE);
+                    for (uv, number) in samples.iter_mut().zip(in_row.by_ref().take(count)) {
+                        *uv = [
+                            ((number / spp) as f64 + random.f64()) / width as f64,
                             ((height - 1 - row) as f64 + random.f64()) / height as f64,
                         ];
-                        let Some(st) = setup.transport(uv, &mut path).formed() else {
-                            continue;
-                        };
-                        let (x, y) = pixel_at(st, width, height);
-                        let sum = &mut sums[y * width + x];
-                        *sum = [sum[0] + uv[0], sum[1] + uv[1], sum[2] + 1.0];
                     }
+                    packets.ends(&samples[..count], |i, end| {
+                        let Some(st) = end.formed() else { return };
+                        let (x, y) = pixel_at(st, width, height);
+                        let (sum, uv) = (&mut sums[y * width + x], samples[i]);
+                        *sum = [sum[0] + uv[0], sum[1] + uv[1], sum[2] + 1.0];
+                    });
                 }
                 progress(1);
             }

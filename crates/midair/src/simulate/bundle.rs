@@ -11,37 +11,23 @@ mod lanes;
 
 use super::light::{Arrival, Chance, Stage};
 use super::sequence::Points;
-use crate::geometry::{Convex, Crossing, Frame, Ray, Search, Shape, Vec3};
+use crate::geometry::{Convex, Crossing, Ray, Vec3};
 use crate::optics::emission::Emission;
 use crate::optics::interface::{attenuate, beer_lambert, fresnel, reflect, refract_with};
 use crate::optics::plate::{Class, Model, SlitMirrorPlate, pass_ideal};
 use crate::simulate::lens::Lens;
-use crate::transport::Matter;
+use crate::transport::packet::{Course, LANES, LoneSolid, widest};
 pub(super) use lanes::Bundle;
-
-/// Paths of a bundle: some rounds of the widest instructions, while all arrays stay in the first cache.
-pub(super) const LANES: usize = 32;
 
 /// What a bundle can be followed through.
 pub(super) struct Straight<'a> {
-    solid: Option<Solid<'a>>,
+    solid: Option<LoneSolid<'a>>,
     plate: Option<&'a SlitMirrorPlate>,
 }
 
-/// The one element.
-struct Solid<'a> {
-    convex: &'a Convex,
-    frame: &'a Frame,
-    index: f64,
-    absorption: Option<[f64; 3]>,
-}
-
-/// The faces by which light enters the solid and leaves it.
-pub(super) type Course = Option<[u32; 2]>;
-
 impl<'a> Straight<'a> {
-    /// What bundles can be followed through; `None` where only path by path will do: a display that does not emit alike in all directions or is polarised, elements that are not
-    /// one convex solid which stands, like the pupil (an eye and its radius, mm), wholly before the plate.
+    /// What bundles can be followed through; `None` where only path by path will do: a display that does not emit alike in all directions or is
+    /// polarised, a measured plate, elements that are more than a [`LoneSolid`] before an eye's pupil (radius in mm) and the plate.
     pub(super) fn of(stage: &Stage<'a>, eye: Vec3, pupil: f64) -> Option<Self> {
         let setup = stage.setup;
         if setup.emission != Emission::Lambert || setup.polarisation.is_some() {
@@ -53,39 +39,12 @@ impl<'a> Straight<'a> {
             Model::Measured(_) => return None,
         };
         let behind_by = plate.map_or(0.0, |plate| 0.5 * plate.parameters().thickness());
-        let before = |point: Vec3| setup.plate.rectangle.frame.to_local(point).z;
-        let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
-        let display_behind = corners.iter().all(|&st| before(setup.display.point(st)) < -behind_by);
-        if before(eye) <= pupil || !display_behind || setup.max_interactions < 3 {
-            return None;
-        }
-        let solid = match setup.elements.as_slice() {
-            [] => None,
-            [element] => {
-                let Shape::Convex(convex) = &element.shape else { return None };
-                let Matter::Refractive { index, absorption } = element.matter else { return None };
-                if before(element.frame.origin) <= convex.reach() || index == 1.0 {
-                    return None;
-                }
-                let absorption = (absorption != [0.0; 3]).then_some(absorption);
-                Some(Solid { convex, frame: &element.frame, index, absorption })
-            }
-            _ => return None,
-        };
-        Some(Self { solid, plate })
+        Some(Self { solid: LoneSolid::before_plate(setup, eye, pupil, behind_by)?, plate })
     }
 
     /// The course of the first path; `None` if it meets no element where there is one.
     pub(super) fn course(&self, bundle: &Bundle) -> Course {
-        let Some(solid) = &self.solid else { return Some([0; 2]) };
-        let local = bundle.ray(0).to_local(solid.frame);
-        let search = |crossing| Search { crossing: Some(crossing), after: 0.0, standing_on: None };
-        let enter = solid.convex.nearest(&local, search(Crossing::Enter))?;
-        let (t, n) = solid.convex.cross(&local, enter.face, Crossing::Enter);
-        let direction = crate::optics::interface::refract(local.direction, n, 1.0 / solid.index);
-        let within = Ray { origin: local.at(t), direction };
-        let leave = solid.convex.nearest(&within, search(Crossing::Leave))?;
-        Some([enter.face, leave.face])
+        self.solid.as_ref().map_or(Some([0; 2]), |solid| solid.course(&bundle.ray(0)))
     }
 
     /// Sets out: rays through pixels (columns and rows of the view, numbers for randomness) of the lens.
@@ -101,14 +60,14 @@ impl<'a> Straight<'a> {
             bundle.set(i, &ray);
         }
         bundle.chance = numbers[4];
-        bundle.start = (bundle.origin, bundle.direction, bundle.chance);
+        bundle.start = (bundle.rays, bundle.chance);
     }
 
     /// The solid's surface by one face; `LEAVING` tells which of the two it is.
     #[inline(always)]
     fn through_face<const LEAVING: bool>(
         bundle: &mut Bundle,
-        solid: &Solid,
+        solid: &LoneSolid,
         convex: Convex,
         face: u32,
     ) {
@@ -167,7 +126,7 @@ impl<'a> Straight<'a> {
 
     /// One of the solid's faces, each kind of surface in a loop of its own.
     #[inline(always)]
-    fn through_surface<const LEAVING: bool>(bundle: &mut Bundle, solid: &Solid, face: u32) {
+    fn through_surface<const LEAVING: bool>(bundle: &mut Bundle, solid: &LoneSolid, face: u32) {
         match *solid.convex {
             Convex::Sphere { radius } => {
                 Self::through_face::<LEAVING>(bundle, solid, Convex::Sphere { radius }, 0);
@@ -251,50 +210,12 @@ impl<'a> Straight<'a> {
 
     /// Rays for all paths of the bundle, with the widest instructions that this machine has.
     pub(super) fn start(bundle: &mut Bundle, lens: &Lens, at: &Places, points: &Points) {
-        #[cfg(target_arch = "x86_64")]
-        {
-            #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
-            fn avx512(bundle: &mut Bundle, lens: &Lens, at: &Places, points: &Points) {
-                Straight::set_out(bundle, lens, at, points);
-            }
-            #[target_feature(enable = "avx2,fma")]
-            fn avx2(bundle: &mut Bundle, lens: &Lens, at: &Places, points: &Points) {
-                Straight::set_out(bundle, lens, at, points);
-            }
-            if has_avx512() {
-                // SAFETY: the instructions were just found to exist.
-                return unsafe { avx512(bundle, lens, at, points) };
-            }
-            if has_avx2() {
-                // SAFETY: the instructions were just found to exist.
-                return unsafe { avx2(bundle, lens, at, points) };
-            }
-        }
-        Self::set_out(bundle, lens, at, points);
+        start(bundle, lens, at, points);
     }
 
     /// Follows the course for all paths of the bundle, with the widest instructions that this machine has.
     pub(super) fn follow(&self, bundle: &mut Bundle, stage: &Stage, faces: [u32; 2]) {
-        #[cfg(target_arch = "x86_64")]
-        {
-            #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
-            fn avx512(straight: &Straight, bundle: &mut Bundle, stage: &Stage, faces: [u32; 2]) {
-                straight.follow_lanes(bundle, stage, faces);
-            }
-            #[target_feature(enable = "avx2,fma")]
-            fn avx2(straight: &Straight, bundle: &mut Bundle, stage: &Stage, faces: [u32; 2]) {
-                straight.follow_lanes(bundle, stage, faces);
-            }
-            if has_avx512() {
-                // SAFETY: the instructions were just found to exist.
-                return unsafe { avx512(self, bundle, stage, faces) };
-            }
-            if has_avx2() {
-                // SAFETY: the instructions were just found to exist.
-                return unsafe { avx2(self, bundle, stage, faces) };
-            }
-        }
-        self.follow_lanes(bundle, stage, faces);
+        follow(self, bundle, stage, faces);
     }
 
     /// What a path brings, after [`Self::follow`]: as [`Stage::follow`] has it, which takes over where the path left
@@ -309,7 +230,7 @@ impl<'a> Straight<'a> {
             return None;
         }
         let mut light = [1.0; 3];
-        if let Some(Solid { absorption: Some(absorption), .. }) = &self.solid
+        if let Some(LoneSolid { absorption: Some(absorption), .. }) = &self.solid
             && bundle.inside[i]
         {
             attenuate(&mut light, beer_lambert(*absorption, bundle.length[i]));
@@ -335,16 +256,13 @@ pub(super) struct Places {
     pub(super) index: [u32; LANES],
 }
 
-#[cfg(target_arch = "x86_64")]
-fn has_avx512() -> bool {
-    is_x86_feature_detected!("avx512f")
-        && is_x86_feature_detected!("avx512dq")
-        && is_x86_feature_detected!("avx512vl")
+widest! {
+    fn start(bundle: &mut Bundle, lens: &Lens, at: &Places, points: &Points) => Straight::set_out
 }
 
-#[cfg(target_arch = "x86_64")]
-fn has_avx2() -> bool {
-    is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
+widest! {
+    fn follow(straight: &Straight<'_>, bundle: &mut Bundle, stage: &Stage<'_>, faces: [u32; 2])
+        => Straight::follow_lanes
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use crate::Error;
 use crate::geometry::{Ray, Vec3};
 use crate::picture::check_size;
 use crate::picture::optimal::ViewRays;
-use crate::transport::{Path, Setup};
+use crate::transport::{Packets, Setup};
 use std::ops::Range;
 
 /// Rays that one view may have: what they hold in memory grows to 50 bytes each.
@@ -111,13 +111,12 @@ impl ViewRays for Sight<'_> {
     }
 
     fn ends(&self, pixels: Range<usize>, ends: &mut [[f64; 2]]) {
-        let mut path = Path::new();
-        for (pixel, ends) in pixels.zip(ends.chunks_exact_mut(self.rays_per_pixel())) {
-            for (sub, end) in ends.iter_mut().enumerate() {
-                let [column, row] = self.camera.position(pixel, sub);
-                let ray = self.camera.ray(self.setup, column, row);
-                *end = self.setup.trace(ray, &mut path).formed().unwrap_or([f64::NAN; 2]);
-            }
-        }
+        let rays = self.rays_per_pixel();
+        let uv: Vec<[f64; 2]> = pixels
+            .flat_map(|pixel| (0..rays).map(move |sub| (pixel, sub)))
+            .map(|(pixel, sub)| self.image_point(pixel, sub))
+            .collect();
+        let mut packets = Packets::new(self.setup, self.camera.eye);
+        packets.ends(&uv, |i, end| ends[i] = end.formed().unwrap_or([f64::NAN; 2]));
     }
 }

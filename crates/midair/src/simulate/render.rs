@@ -1,6 +1,6 @@
 //! The render: path after path, pass after pass, until there are enough.
 
-use super::bundle::{Bundle, LANES, Places, Straight};
+use super::bundle::{Bundle, Places, Straight};
 use super::film::{Harvest, REPLICATIONS, Render, Row, develop};
 use super::lens::{Lens, Viewer};
 use super::light::Stage;
@@ -9,6 +9,7 @@ use crate::clock::Stopwatch;
 use crate::monitor::Monitor;
 use crate::picture::Picture;
 use crate::transport::Setup;
+use crate::transport::packet::LANES;
 use rayon::prelude::*;
 use std::time::Duration;
 

@@ -1,6 +1,6 @@
 //! The numbers that choose a path: well spread, and independent from pixel to pixel.
 
-use super::bundle::LANES;
+use crate::transport::packet::LANES;
 use sobol_burley::{sample, sample_4d};
 
 /// Numbers that a path needs: place on the pixel (2), place on the pupil (2), and one that decides at surfaces.

@@ -1,5 +1,6 @@
 //! F at many image points at once.
 
+use super::packet::Packets;
 use super::path::{End, Path};
 use super::setup::Setup;
 use rayon::prelude::*;
@@ -15,11 +16,29 @@ impl Setup {
         uv: &[[f64; 2]],
         of: impl Fn(&End) -> Option<[f64; 2]> + Sync,
     ) -> Vec<[f64; 2]> {
-        let st = |path: &mut Path, &uv: &[f64; 2]| of(&self.transport(uv, path));
-        uv.par_iter()
-            .with_min_len(AT_ONCE)
-            .map_init(Path::new, |path, uv| st(path, uv).unwrap_or([f64::NAN; 2]))
-            .collect()
+        let st = |end| of(&end).unwrap_or([f64::NAN; 2]);
+        self.each_end(uv.len(), |i| uv[i], [f64::NAN; 2], st)
+    }
+
+    /// What `of` makes of the ends of the paths through so many image points; `none`: what each is before.
+    pub(crate) fn each_end<T: Clone + Send>(
+        &self,
+        count: usize,
+        uv: impl Fn(usize) -> [f64; 2] + Sync,
+        none: T,
+        of: impl Fn(End) -> T + Sync,
+    ) -> Vec<T> {
+        let mut made = vec![none; count];
+        made.par_chunks_mut(AT_ONCE).enumerate().for_each_init(
+            || (Packets::new(self, self.viewpoint), Vec::with_capacity(AT_ONCE)),
+            |(packets, points), (chunk, made)| {
+                let first = chunk * AT_ONCE;
+                points.clear();
+                points.extend((first..first + made.len()).map(&uv));
+                packets.ends(points, |i, end| made[i] = of(end));
+            },
+        );
+        made
     }
 
     /// The derivatives of F at image points uv: rows d(s)/d(u, v) and d(t)/d(u, v), NaN where `of` takes nothing of the path's end.

@@ -28,6 +28,7 @@ mod course;
 mod losses;
 mod many;
 mod moved;
+pub(crate) mod packet;
 mod path;
 mod setup;
 #[cfg(test)]
@@ -39,6 +40,7 @@ pub use build::SetupError;
 pub use course::Course;
 pub use losses::Remainder;
 pub use moved::{Moved, MovedElement, Placing};
+pub use packet::Packets;
 pub use path::{Action, End, Path, Step, on_display};
 pub use setup::{Element, MAX_SOLIDS, Matter, Setup};
 pub use walk::Walk;

@@ -188,8 +188,7 @@ impl Setup {
 
     /// The ray from any eye through the image point uv.
     pub fn ray_from<T: Real>(&self, eye: Vec3, uv: [T; 2]) -> Ray<T> {
-        let origin = Vec3::constant(eye);
-        Ray { origin, direction: (self.image.point(uv) - origin).normalized() }
+        ray_through(&self.image, eye, uv)
     }
 
     /// F at an image point, by searching what the path meets; the steps are left in `path`.
@@ -304,7 +303,8 @@ impl Setup {
     }
 
     /// The plate: the ray behind it sets out from the plate's plane.
-    fn pass_plate<T: Real>(&self, ray: &Ray<T>) -> Ray<T> {
+    #[inline]
+    pub(super) fn pass_plate<T: Real>(&self, ray: &Ray<T>) -> Ray<T> {
         let frame = &self.plate.rectangle.frame;
         let mut origin = ray.at(self.plate.rectangle.plane_distance(ray));
         if let Some(layers) = self.plate.layers() {
@@ -367,4 +367,11 @@ impl Setup {
         let [s, t] = self.follow([Dual::variable(uv[0], 0), Dual::variable(uv[1], 1)], path);
         ([s.re, t.re], [s.d, t.d])
     }
+}
+
+/// The ray from an eye through the image point uv.
+#[inline(always)]
+pub(super) fn ray_through<T: Real>(image: &Rectangle, eye: Vec3, uv: [T; 2]) -> Ray<T> {
+    let origin = Vec3::constant(eye);
+    Ray { origin, direction: (image.point(uv) - origin).normalized() }
 }

@@ -1,14 +1,14 @@
 //! The paths of a bundle, lane by lane.
 
-use super::{Chance, LANES, Ray, Vec3};
+use super::{Chance, LANES, Ray};
+use crate::transport::packet::Lanes;
 
 /// A bundle of paths under way.
 pub(in crate::simulate) struct Bundle {
-    pub(super) origin: [[f64; LANES]; 3],
-    pub(super) direction: [[f64; LANES]; 3],
+    pub(super) rays: Lanes,
     pub(super) chance: [f64; LANES],
     /// The state at the start, for those who leave the course.
-    pub(super) start: ([[f64; LANES]; 3], [[f64; LANES]; 3], [f64; LANES]),
+    pub(super) start: (Lanes, [f64; LANES]),
     /// Whether the path kept to the course.
     pub(super) kept: [bool; LANES],
     pub(super) inside: [bool; LANES],
@@ -26,10 +26,9 @@ impl Bundle {
     pub(in crate::simulate) fn new() -> Self {
         let none = [0.0; LANES];
         Self {
-            origin: [none; 3],
-            direction: [none; 3],
+            rays: Lanes::new(),
             chance: none,
-            start: ([none; 3], [none; 3], none),
+            start: (Lanes::new(), none),
             kept: [true; LANES],
             inside: [false; LANES],
             dark: [false; LANES],
@@ -43,15 +42,12 @@ impl Bundle {
 
     #[inline(always)]
     pub(super) fn ray(&self, i: usize) -> Ray {
-        let vector = |v: &[[f64; LANES]; 3]| Vec3::new(v[0][i], v[1][i], v[2][i]);
-        Ray { origin: vector(&self.origin), direction: vector(&self.direction) }
+        self.rays.ray(i)
     }
 
     #[inline(always)]
     pub(super) fn set(&mut self, i: usize, ray: &Ray) {
-        let (o, d) = (ray.origin, ray.direction);
-        (self.origin[0][i], self.origin[1][i], self.origin[2][i]) = (o.x, o.y, o.z);
-        (self.direction[0][i], self.direction[1][i], self.direction[2][i]) = (d.x, d.y, d.z);
+        self.rays.set(i, ray);
     }
 
     /// Whether so many paths left the course that another one is worth looking for.
@@ -61,8 +57,7 @@ impl Bundle {
 
     /// The ray that a path set out with, and its chance.
     pub(in crate::simulate) fn first(&self, i: usize) -> (Ray, Chance) {
-        let (origin, direction, chance) = &self.start;
-        let vector = |v: &[[f64; LANES]; 3]| Vec3::new(v[0][i], v[1][i], v[2][i]);
-        (Ray { origin: vector(origin), direction: vector(direction) }, Chance(chance[i]))
+        let (rays, chance) = &self.start;
+        (rays.ray(i), Chance(chance[i]))
     }
 }

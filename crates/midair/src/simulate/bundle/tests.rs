@@ -1,9 +1,11 @@
 //! Bundles bring what their paths bring one by one.
 
 use super::*;
+use crate::geometry::Shape;
 use crate::optics::plate::SlitMirror;
 use crate::simulate::sequence::mix;
 use crate::simulate::{Camera, Viewer};
+use crate::transport::Matter;
 use crate::transport::Setup;
 use crate::transport::bench_setup::{block, cone, cylinder, element, setup, sphere};
 
