@@ -14,7 +14,8 @@ export default defineConfig({
   webServer: { command: `${program} studio --no-browser --port 8474 --page ../target/studio`, url: at, reuseExistingServer: false },
   use: {
     baseURL: at,
-    viewport: { width: 1500, height: 900 },
+    // Each pixel is drawn by the processor; pictures for the book are larger.
+    viewport: process.env["PICTURES"] ? { width: 1500, height: 900 } : { width: 1200, height: 720 },
     launchOptions: {
       executablePath: process.env["CHROMIUM"] ?? "/usr/bin/chromium",
       args: ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--no-sandbox"],

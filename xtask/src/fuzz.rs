@@ -50,8 +50,8 @@ const FLAGS: &str = "--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer
     -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
     -Cllvm-args=-sanitizer-coverage-trace-compares";
 
-/// In the tests' run: tens of seconds in all.
-const SECONDS_IN_TESTS: u32 = 8;
+/// In the tests' run, where all targets go side by side.
+const SECONDS_IN_TESTS: u32 = 20;
 
 /// The folder of what tests read, by targets.
 pub fn seeds() -> PathBuf {
@@ -80,20 +80,27 @@ pub fn run(options: &Options) -> Result<bool> {
     Ok(sound)
 }
 
-/// The step of `cargo xtask test`: a few seconds for each target, one check each.
+/// The step of `cargo xtask test`: some seconds for each target, one check each.
 pub fn test() -> Tally {
     let mut tally = Tally::default();
     let folder = match build().and_then(|folder| lay_down_seeds().map(|()| folder)) {
         Ok(folder) => folder,
         Err(error) => return Tally::of(Err(error)),
     };
-    for target in Target::value_variants() {
-        let outcome = fuzz(*target, &folder.join(target.name()), SECONDS_IN_TESTS);
-        tally.add(Tally::of(outcome.and_then(|sound| match sound {
-            true => Ok(()),
-            false => bail!("the target {} has a find", target.name()),
-        })));
-    }
+    std::thread::scope(|scope| {
+        let start = |target: &Target| {
+            let (target, program) = (*target, folder.join(target.name()));
+            (target, scope.spawn(move || fuzz(target, &program, SECONDS_IN_TESTS)))
+        };
+        let under_way: Vec<_> = Target::value_variants().iter().map(start).collect();
+        for (target, fuzzing) in under_way {
+            let outcome = fuzzing.join().unwrap_or_else(|_| bail!("a panic"));
+            tally.add(Tally::of(outcome.and_then(|sound| match sound {
+                true => Ok(()),
+                false => bail!("the target {} has a find", target.name()),
+            })));
+        }
+    });
     tally
 }
 

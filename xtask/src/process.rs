@@ -18,9 +18,12 @@ pub fn cargo(arguments: &[&str]) -> Command {
     command
 }
 
+/// The workspace with all that it can do: the program leaves the live show out unless it is asked for.
+pub const WHOLE: [&str; 3] = ["--workspace", "--features", "midair-cli/show"];
+
 /// Builds the workspace as its tests are built: with the same features, so that after them there is nothing left to do.
 pub fn build_for_tests() -> Result<()> {
-    run(&mut cargo(&["build", "--quiet", "--workspace", "--all-targets"]))
+    run(cargo(&["build", "--quiet", "--lib", "--bins", "--tests"]).args(WHOLE))
 }
 
 /// What a command writes; an error unless it succeeds.

@@ -43,7 +43,7 @@ enum Step {
     Studio,
     /// Blender's extension, installed and used.
     Blender,
-    /// What reads files is fuzzed for some tens of seconds; only where it is named.
+    /// What reads files is fuzzed for some tens of seconds.
     Fuzz,
 }
 
@@ -133,10 +133,9 @@ pub fn run(options: &Options) -> Result<bool> {
 }
 
 impl Step {
-    /// Whether it is among the steps that were named; all are but those that are only run by name.
+    /// Whether it is among the steps that were named; all are if none was.
     fn is_wanted(self, named: &[Self]) -> bool {
-        // Built from nothing with coverage counters, the fuzzer takes minutes that the whole run has no room for.
-        (named.is_empty() && self != Self::Fuzz) || named.contains(&self)
+        named.is_empty() || named.contains(&self)
     }
 
     /// Its name on the command line.
@@ -163,17 +162,15 @@ impl Step {
         match self {
             Self::Setup => Tally::of(setup::install(optional)),
             Self::Fmt => Tally::of(cargo(&["fmt", "--all", "--check"])),
-            Self::Clippy => Tally::of(cargo(&[
-                "clippy",
-                "--quiet",
-                "--workspace",
-                "--all-targets",
-                "--",
-                "-Dwarnings",
-            ])),
+            Self::Clippy => Tally::of(process::run(
+                process::cargo(&["clippy", "--quiet", "--all-targets"])
+                    .args(process::WHOLE)
+                    .args(["--", "-Dwarnings"]),
+            )),
             Self::Tests => tests(optional),
             Self::Docs => Tally::of(process::run(
-                process::cargo(&["doc", "--quiet", "--workspace", "--no-deps"])
+                process::cargo(&["doc", "--quiet", "--no-deps"])
+                    .args(process::WHOLE)
                     .env("RUSTDOCFLAGS", "-Dwarnings"),
             )),
             Self::Package => Tally::of(package()),
@@ -219,7 +216,8 @@ fn cargo(arguments: &[&str]) -> Result<()> {
 /// All tests of the workspace, documentation tests among them.
 fn tests(optional: &[Peer]) -> Tally {
     let skips = std::env::temp_dir().join(format!("midair-skips-{}", std::process::id()));
-    let mut command = process::cargo(&["test", "--quiet", "--workspace", "--no-fail-fast"]);
+    let mut command = process::cargo(&["test", "--quiet", "--no-fail-fast"]);
+    command.args(process::WHOLE);
     command.env(midair_peers::REQUIRED, required(optional)).env(midair_peers::SKIPS, &skips);
     command.env(midair_peers::corpus::CORPUS, fuzz::seeds());
     let mut tally = Tally::watched(&mut command, |tally, line| {

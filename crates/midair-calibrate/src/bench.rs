@@ -46,8 +46,8 @@ static CAMERA: Block = Block {
             "distortion",
             Kind::Numbers(5, -1e3, 1e3),
             None,
-            Need::Numbers(&[0.0; 5]),
-            "OpenCV's k1, k2, p1, p2 and k3.",
+            Need::Optional,
+            "OpenCV's k1, k2, p1, p2 and k3; left out, the lens does not distort.",
         ),
     ],
     exactly_one: &[&["file", "focal"], &["file", "centre"]],
@@ -275,10 +275,15 @@ impl Bench {
             Some(Lens {
                 focal: camera.numbers("focal")?,
                 centre: camera.numbers("centre")?,
-                distortion: camera.numbers("distortion")?,
+                distortion: camera.numbers("distortion").unwrap_or_default(),
             })
         });
         if let Some(file) = camera.as_ref().and_then(|camera| place(camera, "file")) {
+            if camera.as_ref().is_some_and(|camera| camera.numbers::<5>("distortion").is_some()) {
+                let message = "the camera's file tells its distortion";
+                let help = "leave distortion out, or give focal, centre and distortion in place of the file";
+                return Err(text.error_at("camera.distortion", message, help).into());
+            }
             let found = storage::load(&file)?;
             lens = Some(found.lens);
             size = size.or(found.size);
@@ -362,12 +367,20 @@ object_points = "front.csv"
             ("\"5 mm\"", "\"5 kg\"", ["position", "millimetres"]),
             ("[9870.0, 9870.0]", "9870.0", ["focal", "focal"]),
             ("centre = [3000.0, 2000.0]\n", "", ["needs one of", "centre"]),
-            ("focal = [", "file = \"camera.yml\"\nfocal = [", ["file", "focal"]),
+            ("focal = [", "file = \"camera.yml\"\nfocal = [", ["`file`", "exactly one"]),
             ("\"front\"", "\"../front\"", ["cannot be a part of a file's name", "letters"]),
         ] {
             let told = told(&WHOLE.replace(from, to));
             assert!(wanted.iter().all(|wanted| told.contains(wanted)), "{told}");
         }
+    }
+
+    #[test]
+    fn a_camera_has_one_distortion() {
+        let own = "focal = [9870.0, 9870.0]\ncentre = [3000.0, 2000.0]\n";
+        assert!(WHOLE.contains(own) && WHOLE.contains("distortion"));
+        let told = told(&WHOLE.replace(own, "file = \"camera.yml\"\n"));
+        assert!(told.contains("distortion") && told.contains("leave"), "{told}");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! What went wrong, as the user is told: one message with place and remedy.
 
+use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use midair::evaluate::proof::ProofError;
 use midair::map::format::FileError;
 use midair::optics::plate::PlateError;
@@ -9,11 +10,10 @@ use midair::transport::SetupError;
 use midair_video::VideoError;
 
 /// Why a command could not do its work.
-#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[derive(Debug, thiserror::Error)]
 pub enum Failure {
     /// Something is wrong with a scene file: shown with the line.
     #[error(transparent)]
-    #[diagnostic(transparent)]
     Scene(Box<SceneError>),
     /// Anything else.
     #[error("{message}")]
@@ -21,7 +21,6 @@ pub enum Failure {
         /// What is wrong, and with what.
         message: String,
         /// What to do about it.
-        #[help]
         help: Option<String>,
     },
 }
@@ -31,6 +30,36 @@ impl Failure {
     pub fn new(message: impl Into<String>, help: impl Into<String>) -> Self {
         Self::Told { message: message.into(), help: Some(help.into()) }
     }
+
+    /// As the terminal shows it: what is wrong, the line of the scene file if one is to blame, what to do about it; in colours, which a stream that goes
+    /// elsewhere takes out.
+    pub fn shown(&self) -> String {
+        let groups: Vec<Group> = match self {
+            Self::Scene(error) => {
+                std::iter::once(&**error).chain(&error.others).map(of_scene).collect()
+            }
+            Self::Told { message, help } => {
+                let group = Group::with_title(Level::ERROR.primary_title(message));
+                vec![group.elements(help.iter().map(|help| Level::HELP.message(help)))]
+            }
+        };
+        Renderer::styled().render(&groups)
+    }
+}
+
+fn of_scene(error: &SceneError) -> Group<'_> {
+    // The place is shown with the line, if there is one.
+    let (file, line) = error.file_and_line();
+    let title = match line {
+        Some(_) => error.message.clone(),
+        None => error.to_string(),
+    };
+    let snippet = error.span().map(|span| {
+        let here = AnnotationKind::Primary.span(span);
+        Snippet::source(error.text()).path(file).annotation(here)
+    });
+    let group = Group::with_title(Level::ERROR.primary_title(title));
+    group.elements(snippet).element(Level::HELP.message(&error.help))
 }
 
 impl From<SceneError> for Failure {

@@ -21,7 +21,7 @@ fn main() -> ExitCode {
         Ok(code) => code,
         Err(failure) => {
             // There is nobody to tell if even this cannot be written.
-            let _ = writeln!(std::io::stderr(), "{:?}", miette::Report::new(failure));
+            let _ = writeln!(anstream::stderr(), "{}", failure.shown());
             ExitCode::from(2)
         }
     }

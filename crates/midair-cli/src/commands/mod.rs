@@ -17,6 +17,7 @@ mod new;
 mod orbit;
 mod pattern;
 mod plate;
+#[cfg_attr(not(feature = "show"), path = "play_without.rs")]
 mod play;
 mod report;
 mod schema;

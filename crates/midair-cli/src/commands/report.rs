@@ -9,12 +9,13 @@ use midair::Monitor as _;
 use midair::evaluate::colour::{Colour, colour};
 use midair::evaluate::proof::{Proof, Settings, prove};
 use midair::files::{Output, write_bytes_atomically};
-use midair::map::format::Format;
-use midair::picture::{Depth, Picture, Still, write_still};
+use midair::map::format::{FileError, Format};
+use midair::picture::{Depth, Still, encode_still};
 use midair::scene::Loaded;
 use midair::transport::Setup;
 use midair_report::drawing::test_picture;
 use midair_report::proof::{Report, colour_pictures};
+use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -90,12 +91,13 @@ pub fn write_proof(
 
     let report = Report { loaded, setup: &setup, proof: &proof, colour: &colour, notes: &notes };
     let told = told(&report);
-    let page = report.page().map_err(|error| {
+    let (page, pictures) = rayon::join(|| report.page(), || encoded(still, &proof, &colour));
+    let page = page.map_err(|error| {
         Failure::new(format!("the page cannot be made: {error}"), "ask for another --size")
     })?;
-    write_pictures(&mut output, still, &proof, setup.pixel_pitch())?;
-    for (name, picture) in colour_pictures(&colour) {
-        output.write(name, |path| write_still(path, &picture, Depth::Eight))?;
+    write_display(&mut output, still, &proof.compensated.display, setup.pixel_pitch())?;
+    for (name, bytes) in pictures? {
+        output.write(name, |path| write_bytes_atomically(path, &bytes))?;
     }
     let source = setup.view_size(still.picture.width);
     let more = write_maps(&mut output, &proof.map, None, "map", source, &[Format::Exr])?;
@@ -133,23 +135,28 @@ fn told(report: &Report) -> Value {
     told
 }
 
-fn write_pictures(
-    output: &mut Output,
+/// All pictures but the display's, as files: encoding them takes longer than writing, so all cores do it.
+fn encoded(
     still: &Still,
     proof: &Proof,
-    pitch: [f64; 2],
-) -> Result<(), Failure> {
-    write_display(output, still, &proof.compensated.display, pitch)?;
+    colour: &Colour,
+) -> Result<Vec<(&'static str, Vec<u8>)>, FileError> {
     let depth = if still.depth == Depth::Eight { Depth::Eight } else { Depth::Sixteen };
-    let mut picture = |name: &str, picture: &Picture| -> Result<(), Failure> {
-        Ok(output.write(name, |path| write_still(path, picture, depth))?)
-    };
-    picture("display-optimal.png", &proof.optimal.display)?;
-    picture("view-reference.png", &proof.reference)?;
-    picture("view-compensated.png", &proof.compensated.view)?;
-    picture("view-optimal.png", &proof.optimal.view)?;
-    picture("view-uncompensated.png", &proof.uncompensated.view)?;
-    picture("lattice-reference.png", &proof.lattice.reference)?;
-    picture("lattice-compensated.png", &proof.lattice.compensated.view)?;
-    picture("lattice-uncompensated.png", &proof.lattice.uncompensated.view)
+    let views = [
+        ("display-optimal.png", &proof.optimal.display),
+        ("view-reference.png", &proof.reference),
+        ("view-compensated.png", &proof.compensated.view),
+        ("view-optimal.png", &proof.optimal.view),
+        ("view-uncompensated.png", &proof.uncompensated.view),
+        ("lattice-reference.png", &proof.lattice.reference),
+        ("lattice-compensated.png", &proof.lattice.compensated.view),
+        ("lattice-uncompensated.png", &proof.lattice.uncompensated.view),
+    ];
+    let colours = colour_pictures(colour);
+    let colours = colours.iter().map(|(name, picture)| (*name, picture, Depth::Eight));
+    let all: Vec<_> =
+        views.map(|(name, view)| (name, view, depth)).into_iter().chain(colours).collect();
+    all.into_par_iter()
+        .map(|(name, picture, depth)| Ok((name, encode_still(name.as_ref(), picture, depth)?)))
+        .collect()
 }

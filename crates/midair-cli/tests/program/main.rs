@@ -14,6 +14,7 @@ mod fit;
 mod map;
 mod measure;
 mod plate;
+#[cfg(feature = "show")]
 mod play;
 mod proof;
 mod set_ups;

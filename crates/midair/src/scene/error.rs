@@ -1,6 +1,5 @@
 //! What is wrong with a scene file: where, and what to do.
 
-use miette::{Diagnostic, NamedSource, SourceSpan};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -8,10 +7,9 @@ use thiserror::Error;
 
 /// One thing that is wrong with a scene, with its place in the file and a remedy.
 ///
-/// `Display` gives one line, `file:line:column: what is wrong`; as a [`Diagnostic`] it also
-/// shows the source line and the remedy. Further faults of the same file are in
-/// [`SceneError::others`].
-#[derive(Debug, Clone, Error, Diagnostic)]
+/// `Display` gives one line, `file:line:column: what is wrong`; with the [`help`](Self::help), the file's [`text`](Self::text) and the
+/// [`span`](Self::span) to blame a program can show the line as well. Further faults of the same file are in [`SceneError::others`].
+#[derive(Debug, Clone, Error)]
 #[error("{place}: {message}")]
 pub struct SceneError {
     /// `file:line:column`, both counted from 1; the file alone when no line is to blame.
@@ -19,39 +17,39 @@ pub struct SceneError {
     /// What is wrong.
     pub message: String,
     /// What to do about it.
-    #[help]
     pub help: String,
-    /// The file's name and text.
-    #[source_code]
-    text: Arc<NamedSource<Arc<str>>>,
+    file: Arc<Named>,
     /// The bytes to blame.
-    #[label("here")]
-    span: Option<SourceSpan>,
+    span: Option<Range<usize>>,
     /// What else is wrong with the same file.
-    #[related]
     pub others: Box<[SceneError]>,
 }
 
 impl SceneError {
     /// The bytes of the file that are to blame.
     pub fn span(&self) -> Option<Range<usize>> {
-        self.span.map(|s| s.offset()..s.offset() + s.len())
+        self.span.clone()
+    }
+
+    /// The file's text.
+    pub fn text(&self) -> &str {
+        &self.file.text
     }
 
     /// The file's name, and the line to blame, from 1.
     pub fn file_and_line(&self) -> (&str, Option<usize>) {
-        let line = self.span.map(|span| {
-            let before = &self.text.inner().as_bytes()[..span.offset()];
+        let line = self.span.as_ref().map(|span| {
+            let before = &self.text().as_bytes()[..span.start];
             before.iter().filter(|&&byte| byte == b'\n').count() + 1
         });
-        (self.text.name(), line)
+        (&self.file.name, line)
     }
 
     /// Several faults as one: the first in the file, the rest as its `others`.
     pub(super) fn gathered(mut faults: Vec<Self>) -> Option<Self> {
         // Without this bound a hostile file of a million unknown keys costs gigabytes.
         const SHOWN: usize = 16;
-        faults.sort_by_key(|f| f.span.map_or(0, |s| s.offset()));
+        faults.sort_by_key(|f| f.span.as_ref().map_or(0, |s| s.start));
         faults.truncate(SHOWN);
         let mut faults = faults.into_iter();
         let mut first = faults.next()?;
@@ -60,16 +58,24 @@ impl SceneError {
     }
 }
 
+/// A file's name as it was given, and its text.
+#[derive(Debug)]
+struct Named {
+    name: String,
+    text: String,
+}
+
 /// A scene file's text, and where each of its keys stands.
 #[derive(Debug, Clone)]
 pub struct SceneText {
-    text: Arc<NamedSource<Arc<str>>>,
+    file: Arc<Named>,
     spans: BTreeMap<String, Range<usize>>,
 }
 
 impl SceneText {
     pub(super) fn new(name: &str, text: &str) -> Self {
-        Self { text: Arc::new(NamedSource::new(name, text.into())), spans: BTreeMap::new() }
+        let file = Named { name: name.to_owned(), text: text.to_owned() };
+        Self { file: Arc::new(file), spans: BTreeMap::new() }
     }
 
     pub(super) fn record(&mut self, key: String, span: Range<usize>) {
@@ -78,12 +84,12 @@ impl SceneText {
 
     /// The file's name as it was given.
     pub fn name(&self) -> &str {
-        self.text.name()
+        &self.file.name
     }
 
     /// The text itself.
     pub fn text(&self) -> &str {
-        self.text.inner()
+        &self.file.text
     }
 
     /// Whether the file itself has this key, such as `plate.rotation`.
@@ -124,7 +130,7 @@ impl SceneText {
         message: impl Into<String>,
         help: impl Into<String>,
     ) -> SceneError {
-        let text = self.text.inner();
+        let text = self.text();
         let span = span.map(|s| {
             let start = floor_char_boundary(text, s.start);
             start..floor_char_boundary(text, s.end).max(start)
@@ -142,8 +148,8 @@ impl SceneText {
             place,
             message: message.into(),
             help: help.into(),
-            text: Arc::clone(&self.text),
-            span: span.map(SourceSpan::from),
+            file: Arc::clone(&self.file),
+            span,
             others: Box::default(),
         }
     }

@@ -3,7 +3,6 @@
 use super::model::*;
 use super::*;
 use crate::geometry::Vec3;
-use miette::Diagnostic;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use std::path::{Path, PathBuf};

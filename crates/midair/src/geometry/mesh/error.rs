@@ -1,10 +1,9 @@
 //! What is wrong with a mesh file: where, and what to do.
 
-use miette::Diagnostic;
 use thiserror::Error;
 
 /// A mesh that cannot be used: the file, the place in it, what is wrong, the remedy.
-#[derive(Debug, Clone, PartialEq, Eq, Error, Diagnostic)]
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("{file}: {message}")]
 pub struct MeshError {
     /// The file's name as it was given.
@@ -12,7 +11,6 @@ pub struct MeshError {
     /// What is wrong, with the face or line.
     pub message: String,
     /// What to do about it.
-    #[help]
     pub help: String,
 }
 

@@ -101,8 +101,7 @@ fn what_a_glass_file_does_not_know_is_said_at_its_key() {
     ];
     for (glass, material, display, part) in cases {
         let error = ball(glass, material, display).unwrap_err();
-        let help = miette::Diagnostic::help(&error).map(|help| help.to_string());
-        let told = format!("{error} {}", help.unwrap_or_default());
+        let told = format!("{error} {}", error.help);
         assert!(told.contains(part) && told.contains("glass.yml"), "{told}");
     }
     // Absorption said in the scene needs no k.
