@@ -19,7 +19,7 @@ pub struct Options {
 }
 
 /// The crate that is the page's core, and the tool that writes what is around it.
-pub const CORE: &str = "midair-web";
+const CORE: &str = "midair-web";
 const BINDGEN: &str = "midair-bindgen";
 
 fn folder() -> PathBuf {
@@ -97,7 +97,7 @@ pub fn test() -> Tally {
 }
 
 fn build() -> Result<()> {
-    let module = wasm::build(CORE, &[])?;
+    let module = wasm::build(CORE)?;
     process::run(&mut process::cargo(&["build", "--quiet", "--package", BINDGEN]))?;
     let mut bindgen = Command::new(book::program_folder(Profile::Dev).join(BINDGEN));
     process::run(bindgen.arg(module).arg(folder().join("core")))?;

@@ -5,7 +5,7 @@
 
 use crate::book::{self, Profile};
 use crate::test::Tally;
-use crate::{process, setup, studio};
+use crate::{process, setup};
 use anyhow::{Context, Result, bail};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -35,7 +35,7 @@ pub fn install() -> Result<()> {
 /// Builds the package for WebAssembly, as the studio's page has its core, and for this machine, as the tests are built; the latter runs the former under
 /// node and compares.
 pub fn run() -> Tally {
-    let module = match build(PACKAGE, &[studio::CORE]) {
+    let module = match build(PACKAGE) {
         Ok(module) => module,
         Err(error) => return Tally::of(Err(error)),
     };
@@ -55,11 +55,10 @@ pub fn run() -> Tally {
 /// What is built for WebAssembly is built one way: the standard library and all dependencies serve every package.
 const PROFILE: &str = "studio";
 
-/// Builds a package's module, with others beside it; where it lies. Linking a module takes most of the time, and one core.
-pub fn build(package: &str, beside: &[&str]) -> Result<PathBuf> {
+/// Builds a package's module; where it lies.
+pub fn build(package: &str) -> Result<PathBuf> {
     let mut command = process::cargo(&["build", "--quiet", "--lib", "--profile", PROFILE]);
-    command.args(beside.iter().chain([&package]).flat_map(|package| ["--package", package]));
-    command.args(["--target", TARGET]);
+    command.args(["--package", package, "--target", TARGET]);
     let folder = crate::root().join("target/wasm-build");
     command.arg("--target-dir").arg(&folder);
     if !has_target() {

@@ -15,7 +15,7 @@ use std::path::PathBuf;
 /// Draw the patterns to photograph, and a page that says how
 ///
 /// Gray code with each pattern's inverse, sinusoids, white and black: about 40 pictures in the display's own pixels. Show each full screen, without
-/// scaling, and photograph it from a tripod, first without the object, then with it. The order does not matter. `midair play SCENE patterns` shows them,
+/// scaling, and photograph it from a tripod, first without the object, then with it. The order does not matter. `midair play cube.toml patterns` shows them,
 /// and runs the camera.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  midair calibrate patterns scene.toml --out patterns")]

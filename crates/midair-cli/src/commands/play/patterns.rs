@@ -1,4 +1,4 @@
-//! `midair play SCENE patterns`: what is photographed for a calibration, in the display's own pixels.
+//! `midair play` of `patterns`: what is photographed for a calibration, in the display's own pixels.
 
 use super::Arguments;
 use crate::arguments::open_scene;

@@ -144,6 +144,10 @@ pub fn mend(
         // Two faces upon one another and wound against each other may be the wall between two solids that touch.
         Err(error) if opposite => {
             let walls = Kept::of(&raw, &representative, true);
+            // A sheet with two sides is no wall, and nothing is left of it.
+            if walls.triangles.is_empty() {
+                return Err(error);
+            }
             let opened = joined(&walls.triangles, &walls.origin).map_err(|_| error)?;
             (triangles, origin, repeated) = (walls.triangles, walls.origin, walls.repeated);
             opened

@@ -272,6 +272,15 @@ fn a_flat_closed_piece_encloses_nothing() {
     assert!(error.message.contains("no volume"), "{error}");
 }
 
+/// One square seen from both sides: its faces lie upon one another, as a wall's do, but there are no solids that it parts.
+#[test]
+fn a_sheet_with_two_sides_is_no_solid() {
+    let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\nf 3 2 1\nf 4 3 1\n";
+    let raw = read(text.as_bytes(), MeshFormat::Obj, "sheet.obj", None).unwrap();
+    let error = mend(raw, "sheet.obj", Surface::Closed).unwrap_err();
+    assert!(error.to_string().contains("not watertight"), "{error}");
+}
+
 fn obj_text() -> String {
     let mut text = String::from("# cube\no cube\n");
     CUBE.iter().for_each(|[x, y, z]| text += &format!("v {x} {y} {z}\n"));
