@@ -149,7 +149,7 @@ impl Finding {
             }
             (used, root_of_mean(&squares))
         };
-        let apart = moved::shares(problem, &found);
+        let apart = moved::shares(problem, &found, &residuals);
         let told_views: Vec<View> = views
             .iter()
             .enumerate()

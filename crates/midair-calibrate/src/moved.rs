@@ -29,7 +29,9 @@ const OF_A_CAMERA: usize = 6;
 
 /// For each view the share of its object photographs' squares that a camera of their own would take off, by one step of the equations at the best guess; 0 where
 /// it is chance.
-pub(crate) fn shares(problem: &Problem, found: &Descent) -> Vec<f64> {
+///
+/// `residuals` are those at that guess.
+pub(crate) fn shares(problem: &Problem, found: &Descent, residuals: &[Vec<[f64; 2]>]) -> Vec<f64> {
     let views = found.state.cameras.len();
     // Every camera twice: once for the empty photographs, once for those with the object.
     let mut twice = problem.clone();
@@ -48,7 +50,7 @@ pub(crate) fn shares(problem: &Problem, found: &Descent) -> Vec<f64> {
                 Some(second) => second,
             };
             let gain = gain(&joined(&apart, count + OF_A_CAMERA, to), count);
-            let left = left(problem, found, tested);
+            let left = left(problem, found, residuals, tested);
             if gain > CHANCE && left > 0.0 { (gain / left).min(1.0) } else { 0.0 }
         })
         .collect()
@@ -81,8 +83,7 @@ fn gain(equations: &Equations, count: usize) -> f64 {
 }
 
 /// The weighted squares of a view's object photographs.
-fn left(problem: &Problem, found: &Descent, view: usize) -> f64 {
-    let Ok(residuals) = problem.residuals(&found.state, &found.paths) else { return 0.0 };
+fn left(problem: &Problem, found: &Descent, residuals: &[Vec<[f64; 2]>], view: usize) -> f64 {
     let mut sum = 0.0;
     for (shot, of) in problem.shots.iter().enumerate() {
         if of.view == view && of.with_object {

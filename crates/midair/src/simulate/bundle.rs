@@ -11,12 +11,12 @@ mod lanes;
 
 use super::light::{Arrival, Chance, Stage};
 use super::sequence::Points;
-use crate::geometry::{Convex, Crossing, Ray, Vec3};
+use crate::geometry::{Convex, Ray, Vec3};
 use crate::optics::emission::Emission;
 use crate::optics::interface::{attenuate, beer_lambert, fresnel, reflect, refract_with};
 use crate::optics::plate::{Class, Model, SlitMirrorPlate, pass_ideal};
 use crate::simulate::lens::Lens;
-use crate::transport::packet::{Course, LANES, LoneSolid, widest};
+use crate::transport::packet::{Course, LANES, LoneSolid, Together, meeting, widest};
 pub(super) use lanes::Bundle;
 
 /// What a bundle can be followed through.
@@ -61,82 +61,6 @@ impl<'a> Straight<'a> {
         }
         bundle.chance = numbers[4];
         bundle.start = (bundle.rays, bundle.chance);
-    }
-
-    /// The solid's surface by one face; `LEAVING` tells which of the two it is.
-    #[inline(always)]
-    fn through_face<const LEAVING: bool>(
-        bundle: &mut Bundle,
-        solid: &LoneSolid,
-        convex: Convex,
-        face: u32,
-    ) {
-        let crossing = if LEAVING { Crossing::Leave } else { Crossing::Enter };
-        let eta = if LEAVING { solid.index } else { 1.0 / solid.index };
-        // A copy of its own, that no store into the bundle can change.
-        let frame = *solid.frame;
-        for i in 0..LANES {
-            let ray = bundle.ray(i);
-            let local = ray.to_local(&frame);
-            let (t, outward) = convex.cross(&local, face, crossing);
-            let n = if LEAVING { -outward } else { outward };
-            let d = local.direction;
-            // The first meeting with a convex solid is the one point of its faces where light goes in (out).
-            let met = (t > 0.0) & (d.dot(n) < 0.0) & convex.within_face(local.at(t), face);
-            let cos_i = (-d.dot(n)).min(1.0);
-            let f = fresnel(cos_i, eta);
-            let (reflected, rest) = Chance(bundle.chance[i]).decided(f.reflectance());
-            let refracted = refract_with(d, n, eta, cos_i, f.cos_t);
-            let mirrored = reflect(d, n);
-            let pick = |a: f64, b: f64| if reflected { a } else { b };
-            let out = Vec3::new(
-                pick(mirrored.x, refracted.x),
-                pick(mirrored.y, refracted.y),
-                pick(mirrored.z, refracted.z),
-            );
-            let next = Ray { origin: ray.at(t), direction: frame.to_world_direction(out) };
-            if LEAVING {
-                // What was reflected at the first face is outside already, and stays as it is.
-                let inside = bundle.inside[i];
-                bundle.kept[i] &= !inside | (met & !reflected);
-                bundle.length[i] = t;
-                let keep = |new: f64, old: f64| if inside { new } else { old };
-                let (o, d) = (next.origin, next.direction);
-                let next = Ray {
-                    origin: Vec3::new(
-                        keep(o.x, ray.origin.x),
-                        keep(o.y, ray.origin.y),
-                        keep(o.z, ray.origin.z),
-                    ),
-                    direction: Vec3::new(
-                        keep(d.x, ray.direction.x),
-                        keep(d.y, ray.direction.y),
-                        keep(d.z, ray.direction.z),
-                    ),
-                };
-                bundle.set(i, &next);
-            } else {
-                bundle.kept[i] = met;
-                bundle.inside[i] = !reflected;
-                bundle.chance[i] = rest;
-                bundle.set(i, &next);
-            }
-        }
-    }
-
-    /// One of the solid's faces, each kind of surface in a loop of its own.
-    #[inline(always)]
-    fn through_surface<const LEAVING: bool>(bundle: &mut Bundle, solid: &LoneSolid, face: u32) {
-        match *solid.convex {
-            Convex::Sphere { radius } => {
-                Self::through_face::<LEAVING>(bundle, solid, Convex::Sphere { radius }, 0);
-            }
-            Convex::Frustum { middle_radius, slope: 0.0, half_height } if face == 0 => {
-                let convex = Convex::Frustum { middle_radius, slope: 0.0, half_height };
-                Self::through_face::<LEAVING>(bundle, solid, convex, 0);
-            }
-            convex => Self::through_face::<LEAVING>(bundle, solid, convex, face),
-        }
     }
 
     #[inline(always)]
@@ -199,8 +123,8 @@ impl<'a> Straight<'a> {
     fn follow_lanes(&self, bundle: &mut Bundle, stage: &Stage, faces: [u32; 2]) {
         match &self.solid {
             Some(solid) => {
-                Self::through_surface::<false>(bundle, solid, faces[0]);
-                Self::through_surface::<true>(bundle, solid, faces[1]);
+                solid.through::<false>(bundle, faces[0]);
+                solid.through::<true>(bundle, faces[1]);
             }
             None => bundle.kept = [true; LANES],
         }
@@ -208,14 +132,20 @@ impl<'a> Straight<'a> {
         Self::to_display(bundle, stage);
     }
 
-    /// Rays for all paths of the bundle, with the widest instructions that this machine has.
-    pub(super) fn start(bundle: &mut Bundle, lens: &Lens, at: &Places, points: &Points) {
-        start(bundle, lens, at, points);
+    widest! {
+        /// Rays for all paths of the bundle, with the widest instructions that this machine has.
+        pub(super) fn start(bundle: &mut Bundle, lens: &Lens, at: &Places, points: &Points)
+            => Straight::set_out
     }
 
-    /// Follows the course for all paths of the bundle, with the widest instructions that this machine has.
-    pub(super) fn follow(&self, bundle: &mut Bundle, stage: &Stage, faces: [u32; 2]) {
-        follow(self, bundle, stage, faces);
+    widest! {
+        /// Follows the course for all paths of the bundle, with the widest instructions that this machine has.
+        pub(super) fn follow(
+            straight: &Straight<'_>,
+            bundle: &mut Bundle,
+            stage: &Stage<'_>,
+            faces: [u32; 2],
+        ) => Straight::follow_lanes
     }
 
     /// What a path brings, after [`Self::follow`]: as [`Stage::follow`] has it, which takes over where the path left
@@ -256,13 +186,55 @@ pub(super) struct Places {
     pub(super) index: [u32; LANES],
 }
 
-widest! {
-    fn start(bundle: &mut Bundle, lens: &Lens, at: &Places, points: &Points) => Straight::set_out
-}
-
-widest! {
-    fn follow(straight: &Straight<'_>, bundle: &mut Bundle, stage: &Stage<'_>, faces: [u32; 2])
-        => Straight::follow_lanes
+impl Together for Bundle {
+    #[inline(always)]
+    fn through_face<const LEAVING: bool>(&mut self, solid: &LoneSolid, convex: Convex, face: u32) {
+        // A copy of its own, that no store into the bundle can change.
+        let (frame, eta) = (*solid.frame, solid.eta::<LEAVING>());
+        for i in 0..LANES {
+            let ray = self.ray(i);
+            let met = meeting::<LEAVING>(&ray, &frame, &convex, face);
+            let (t, d, n) = (met.t, met.direction, met.normal);
+            let cos_i = (-d.dot(n)).min(1.0);
+            let f = fresnel(cos_i, eta);
+            let (reflected, rest) = Chance(self.chance[i]).decided(f.reflectance());
+            let refracted = refract_with(d, n, eta, cos_i, f.cos_t);
+            let mirrored = reflect(d, n);
+            let pick = |a: f64, b: f64| if reflected { a } else { b };
+            let out = Vec3::new(
+                pick(mirrored.x, refracted.x),
+                pick(mirrored.y, refracted.y),
+                pick(mirrored.z, refracted.z),
+            );
+            let next = Ray { origin: ray.at(t), direction: frame.to_world_direction(out) };
+            if LEAVING {
+                // What was reflected at the first face is outside already, and stays as it is.
+                let inside = self.inside[i];
+                self.kept[i] &= !inside | (met.is_first & !reflected);
+                self.length[i] = t;
+                let keep = |new: f64, old: f64| if inside { new } else { old };
+                let (o, d) = (next.origin, next.direction);
+                let next = Ray {
+                    origin: Vec3::new(
+                        keep(o.x, ray.origin.x),
+                        keep(o.y, ray.origin.y),
+                        keep(o.z, ray.origin.z),
+                    ),
+                    direction: Vec3::new(
+                        keep(d.x, ray.direction.x),
+                        keep(d.y, ray.direction.y),
+                        keep(d.z, ray.direction.z),
+                    ),
+                };
+                self.set(i, &next);
+            } else {
+                self.kept[i] = met.is_first;
+                self.inside[i] = !reflected;
+                self.chance[i] = rest;
+                self.set(i, &next);
+            }
+        }
+    }
 }
 
 #[cfg(test)]

@@ -280,7 +280,7 @@ impl Stage<'_> {
             }
             let straight = straight.zip(course);
             if let Some((straight, faces)) = straight {
-                straight.follow(&mut bundle, self, faces);
+                Straight::follow(straight, &mut bundle, self, faces);
             }
             for octet in 0..used {
                 for replication in 0..REPLICATIONS {

@@ -1,7 +1,7 @@
 //! The paths of a bundle, lane by lane.
 
 use super::{Chance, LANES, Ray};
-use crate::transport::packet::Lanes;
+use crate::transport::packet::{Lanes, is_lost};
 
 /// A bundle of paths under way.
 pub(in crate::simulate) struct Bundle {
@@ -52,7 +52,7 @@ impl Bundle {
 
     /// Whether so many paths left the course that another one is worth looking for.
     pub(in crate::simulate) fn is_lost(&self) -> bool {
-        2 * self.kept.iter().filter(|&&kept| kept).count() < LANES
+        is_lost(&self.kept)
     }
 
     /// The ray that a path set out with, and its chance.

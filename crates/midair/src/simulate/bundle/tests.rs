@@ -29,7 +29,7 @@ fn compare(setup: &Setup) -> f64 {
             };
             Straight::start(&mut bundle, &lens, &at, &points);
             let Some(faces) = straight.course(&bundle) else { continue };
-            straight.follow(&mut bundle, &stage, faces);
+            Straight::follow(&straight, &mut bundle, &stage, faces);
             for i in 0..LANES {
                 let (ray, chance) = bundle.first(i);
                 let alone = stage.follow(ray, chance);

@@ -30,3 +30,8 @@ impl Lanes {
         (self.direction[0][i], self.direction[1][i], self.direction[2][i]) = (d.x, d.y, d.z);
     }
 }
+
+/// Whether so many rays left the course that another one is worth looking for.
+pub(crate) fn is_lost(kept: &[bool; LANES]) -> bool {
+    2 * kept.iter().filter(|&&kept| kept).count() < LANES
+}

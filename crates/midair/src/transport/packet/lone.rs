@@ -13,6 +13,42 @@ pub(crate) struct LoneSolid<'a> {
     pub(crate) absorption: Option<[f64; 3]>,
 }
 
+/// Rays that go through a lone solid's faces together.
+pub(crate) trait Together {
+    /// Takes all of them through one face; `LEAVING` tells which way. `convex` is the solid's surface.
+    fn through_face<const LEAVING: bool>(&mut self, solid: &LoneSolid, convex: Convex, face: u32);
+}
+
+/// A ray at one of the solid's faces.
+pub(crate) struct Meeting {
+    /// The distance, mm.
+    pub(crate) t: f64,
+    /// The ray's direction in the solid's frame.
+    pub(crate) direction: Vec3,
+    /// The unit normal there, on the side that the ray comes from.
+    pub(crate) normal: Vec3,
+    /// Whether it is the first surface that light meets: on a convex solid that is the one point of its faces where light goes in (out).
+    pub(crate) is_first: bool,
+}
+
+/// Where a ray meets a face of a solid that stands in `frame`.
+#[inline(always)]
+pub(crate) fn meeting<const LEAVING: bool>(
+    ray: &Ray,
+    frame: &Frame,
+    convex: &Convex,
+    face: u32,
+) -> Meeting {
+    let crossing = if LEAVING { Crossing::Leave } else { Crossing::Enter };
+    let local = ray.to_local(frame);
+    let (t, outward) = convex.cross(&local, face, crossing);
+    let normal = if LEAVING { -outward } else { outward };
+    let direction = local.direction;
+    let is_first =
+        (t > 0.0) & (direction.dot(normal) < 0.0) & convex.within_face(local.at(t), face);
+    Meeting { t, direction, normal, is_first }
+}
+
 /// The faces by which light enters the solid and leaves it.
 pub(crate) type Course = Option<[u32; 2]>;
 
@@ -41,6 +77,27 @@ impl<'a> LoneSolid<'a> {
         }
         let absorption = (absorption != [0.0; 3]).then_some(absorption);
         Some(Some(Self { convex, frame: &element.frame, index, absorption }))
+    }
+
+    /// Takes rays through one of the faces, by a loop of its own for each kind of surface.
+    #[inline(always)]
+    pub(crate) fn through<const LEAVING: bool>(&self, rays: &mut impl Together, face: u32) {
+        match *self.convex {
+            Convex::Sphere { radius } => {
+                rays.through_face::<LEAVING>(self, Convex::Sphere { radius }, 0);
+            }
+            Convex::Frustum { middle_radius, slope: 0.0, half_height } if face == 0 => {
+                let convex = Convex::Frustum { middle_radius, slope: 0.0, half_height };
+                rays.through_face::<LEAVING>(self, convex, 0);
+            }
+            convex => rays.through_face::<LEAVING>(self, convex, face),
+        }
+    }
+
+    /// Index before a face over the one behind.
+    #[inline(always)]
+    pub(crate) fn eta<const LEAVING: bool>(&self) -> f64 {
+        if LEAVING { self.index } else { 1.0 / self.index }
     }
 
     /// The course of a ray; `None` if it misses the solid.

@@ -10,13 +10,13 @@ mod lanes;
 mod lone;
 mod widest;
 
-pub(crate) use lanes::{LANES, Lanes};
-pub(crate) use lone::{Course, LoneSolid};
+pub(crate) use lanes::{LANES, Lanes, is_lost};
+pub(crate) use lone::{Course, LoneSolid, Together, meeting};
 pub(crate) use widest::widest;
 
 use super::path::{End, Path};
 use super::setup::{Setup, ray_through};
-use crate::geometry::{Convex, Crossing, Ray, Vec3};
+use crate::geometry::{Convex, Ray, Vec3};
 use crate::optics::interface::refract;
 
 /// Follows rays through a set-up, packet by packet where it can, and one by one where only that will do.
@@ -70,26 +70,22 @@ impl<'a> Packets<'a> {
                 (points[0][i], points[1][i]) = (u, v);
             }
             set_out(&mut packet.lanes, setup, *eye, &points);
-            let mut keeps = false;
-            // The neighbour's course first; where most left that, the course of the first ray here.
-            for attempt in 0..2 {
-                if attempt == 1 || course.is_none() {
-                    *course = lone
-                        .as_ref()
-                        .map_or(Some([0; 2]), |lone| lone.course(&packet.lanes.ray(0)));
-                }
-                let Some(faces) = *course else { break };
-                if attempt == 1 {
-                    set_out(&mut packet.lanes, setup, *eye, &points);
-                }
+            let first = packet.lanes.ray(0);
+            packet.kept = [false; LANES];
+            // The neighbours' course first; where most leave that, the first ray's own.
+            if let Some(faces) = *course {
                 follow(packet, setup, lone, faces);
-                keeps = true;
-                if 2 * packet.kept.iter().filter(|&&kept| kept).count() >= LANES {
-                    break;
+            }
+            if is_lost(&packet.kept) {
+                let own = lone.as_ref().map_or(Some([0; 2]), |lone| lone.course(&first));
+                if let Some(faces) = own.filter(|_| own != *course) {
+                    set_out(&mut packet.lanes, setup, *eye, &points);
+                    follow(packet, setup, lone, faces);
                 }
+                *course = own;
             }
             for (i, &uv) in uv.iter().enumerate() {
-                let end = if keeps && packet.kept[i] {
+                let end = if packet.kept[i] {
                     let st = packet.st.map(|lanes| lanes[i]);
                     End::Display { st, through_plate: packet.through_plate[i] }
                 } else {
@@ -122,8 +118,8 @@ widest! {
 fn follow_lanes(packet: &mut Packet, setup: &Setup, lone: &Option<LoneSolid<'_>>, faces: [u32; 2]) {
     packet.kept = [true; LANES];
     if let Some(solid) = lone {
-        through_surface::<false>(packet, solid, faces[0]);
-        through_surface::<true>(packet, solid, faces[1]);
+        solid.through::<false>(packet, faces[0]);
+        solid.through::<true>(packet, faces[1]);
     }
     let plate = setup.plate.rectangle;
     for i in 0..LANES {
@@ -147,44 +143,19 @@ fn follow_lanes(packet: &mut Packet, setup: &Setup, lone: &Option<LoneSolid<'_>>
     }
 }
 
-/// One of the solid's faces, each kind of surface in a loop of its own.
-#[inline(always)]
-fn through_surface<const LEAVING: bool>(packet: &mut Packet, solid: &LoneSolid, face: u32) {
-    match *solid.convex {
-        Convex::Sphere { radius } => {
-            through_face::<LEAVING>(packet, solid, Convex::Sphere { radius }, 0);
+impl Together for Packet {
+    #[inline(always)]
+    fn through_face<const LEAVING: bool>(&mut self, solid: &LoneSolid, convex: Convex, face: u32) {
+        // A copy of its own, that no store into the lanes can change.
+        let (frame, eta) = (*solid.frame, solid.eta::<LEAVING>());
+        for i in 0..LANES {
+            let ray = self.lanes.ray(i);
+            let met = meeting::<LEAVING>(&ray, &frame, &convex, face);
+            let refracted = refract(met.direction, met.normal, eta);
+            self.kept[i] &= met.is_first & !refracted.x.is_nan();
+            let direction = frame.to_world_direction(refracted);
+            self.lanes.set(i, &Ray { origin: ray.at(met.t), direction });
         }
-        Convex::Frustum { middle_radius, slope: 0.0, half_height } if face == 0 => {
-            let convex = Convex::Frustum { middle_radius, slope: 0.0, half_height };
-            through_face::<LEAVING>(packet, solid, convex, 0);
-        }
-        convex => through_face::<LEAVING>(packet, solid, convex, face),
-    }
-}
-
-#[inline(always)]
-fn through_face<const LEAVING: bool>(
-    packet: &mut Packet,
-    solid: &LoneSolid,
-    convex: Convex,
-    face: u32,
-) {
-    let crossing = if LEAVING { Crossing::Leave } else { Crossing::Enter };
-    let eta = if LEAVING { solid.index } else { 1.0 / solid.index };
-    // A copy of its own, that no store into the lanes can change.
-    let frame = *solid.frame;
-    for i in 0..LANES {
-        let ray = packet.lanes.ray(i);
-        let local = ray.to_local(&frame);
-        let (t, outward) = convex.cross(&local, face, crossing);
-        let n = if LEAVING { -outward } else { outward };
-        let d = local.direction;
-        let refracted = refract(d, n, eta);
-        // The first meeting with a convex solid is the one point of its faces where light goes in (out).
-        let met = (t > 0.0) & (d.dot(n) < 0.0) & convex.within_face(local.at(t), face);
-        packet.kept[i] &= met & !refracted.x.is_nan();
-        let direction = frame.to_world_direction(refracted);
-        packet.lanes.set(i, &Ray { origin: ray.at(t), direction });
     }
 }
 
